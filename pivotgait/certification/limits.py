@@ -1,0 +1,88 @@
+"""The limits a plan must keep: one entry for each residual of the certificate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Bound on a residual.
+
+    Attributes:
+        bound: in ``unit``.
+        unit: SI, empty for a pure number.
+        meaning: what the residual measures.
+        at_least: whether the residual must not fall below the bound (else: not exceed it).
+    """
+
+    bound: float
+    unit: str
+    meaning: str
+    at_least: bool = False
+
+    def holds(self, value: float) -> bool:
+        """Whether ``value`` keeps the limit; NaN and infinity never do."""
+        if not math.isfinite(value):
+            return False
+        return value >= self.bound if self.at_least else value <= self.bound
+
+
+# Identities between stored numbers (unit length, eqs 1 and 2) are evaluated once from float64
+# values of order 1 to 10: 1e-9 is a million roundings and still far below anything physical.
+_IDENTITY = 1e-9
+
+LIMITS: Mapping[str, Limit] = MappingProxyType(
+    {
+        "force_balance_n": Limit(1e-6, "N", "residual of (3), forces"),
+        "moment_balance_nm": Limit(1e-7, "N m", "residual of (3), moments about the mass centre"),
+        "cone_margin_n": Limit(-1e-8, "N", "mu f_n - |f_t| in the exact cone (5)", at_least=True),
+        "normal_bound_n": Limit(1e-8, "N", "normal force beyond its bounds (6)"),
+        "ramp_n": Limit(1e-6, "N", "distance of the changing normal force from its ramp (7), (8)"),
+        "free_force_n": Limit(1e-6, "N", "force of a finger that does not touch (any more or yet)"),
+        "quaternion_norm": Limit(_IDENTITY, "", "distance of |r| from 1"),
+        "position_m": Limit(_IDENTITY, "m", "residual of (1)"),
+        "linear_velocity_m_s": Limit(_IDENTITY, "m/s", "residual of the time derivative of (1)"),
+        "linear_acceleration_m_s2": Limit(_IDENTITY, "m/s^2", "residual of (2)"),
+        "rotation_excess_rad": Limit(
+            _IDENTITY, "rad", "orientation step against angular velocity, beyond sampling error"
+        ),
+        "rate_excess_rad_s": Limit(
+            _IDENTITY, "rad/s", "angular velocity step against acceleration, beyond sampling error"
+        ),
+        "rest_rad_s": Limit(1e-8, "rad/s", "angular speed where phases meet"),
+        "pivot_moved_m": Limit(_IDENTITY, "m", "distance of the pivot from the first phase's"),
+        "pivot_height_m": Limit(1e-6, "m", "gap or overlap of the tip's sphere and the table"),
+        "table_normal": Limit(_IDENTITY, "", "distance of the table's normal from +z"),
+        "seam_orientation_rad": Limit(_IDENTITY, "rad", "turn of the tool between two phases"),
+        "seam_position_m": Limit(_IDENTITY, "m", "jump of the mass centre between two phases"),
+        "seam_force_n": Limit(1e-6, "N", "jump of a contact force between two phases"),
+        "seam_contact_m": Limit(_IDENTITY, "m", "jump of a held contact between two phases"),
+        "seam_friction": Limit(_IDENTITY, "", "change of a held contact's friction coefficient"),
+        "normal_norm": Limit(_IDENTITY, "", "distance of a contact normal's length from 1"),
+        "contact_surface_m": Limit(1e-6, "m", "distance of a contact from the tool's surface"),
+        "contact_normal_rad": Limit(1e-3, "rad", "angle of a contact normal to the surface's"),
+        "tool_mass": Limit(_IDENTITY, "", "mass against the URDF, relative"),
+        "tool_inertia": Limit(_IDENTITY, "", "inertia against the URDF, relative"),
+        "tool_centre_m": Limit(_IDENTITY, "m", "centre of mass against the URDF"),
+        "tool_pivot_m": Limit(1e-6, "m", "pivot against the centre of the URDF's tip sphere"),
+        "tool_inertia_physical": Limit(
+            -_IDENTITY,
+            "",
+            "least of principal inertia and triangle sum, relative",
+            at_least=True,
+        ),
+        "lift_clearance_m": Limit(-1e-6, "m", "tool over the table in a lift", at_least=True),
+        "table_clearance_m": Limit(1e-3, "m", "tool over the table, other phases", at_least=True),
+    }
+)
+"""Residual's name -> its limit; the tolerances that a plan is judged by unless told otherwise."""
+
+
+def with_clearance(clearance: float, limits: Mapping[str, Limit] = LIMITS) -> Mapping[str, Limit]:
+    """The limits with another least distance [m] of tool and table outside lifts."""
+    changed = replace(limits["table_clearance_m"], bound=clearance)
+    return MappingProxyType({**limits, "table_clearance_m": changed})

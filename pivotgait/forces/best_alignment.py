@@ -1,0 +1,74 @@
+"""The objective ``alignment`` (Xue et al., eq. 4): the best of several local minima.
+
+Local minima differ in which contact they give up: its force leans, lightly pressed, so that the
+others may align. Starts that leave out one contact each, and one from the middle of the
+feasible set, have found the best minimum of every random grasp tried against IPOPT.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pivotgait.forces.cone_batch import ConeBatch
+from pivotgait.forces.goal import Goal
+from pivotgait.forces.primal_dual import minimise
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+LEFT_OUT = 0.03
+"""Weight of the contact a start leaves out; not 0, which would leave its force undecided."""
+LEAVING_STEPS = 5
+"""Newton steps with that weight: enough to cross into the basin, as the whole path is short."""
+CLOSE = 1e-2
+"""A start whose value is within this share of the best is finished; others lose for sure."""
+
+
+def best_alignment(cones: ConeBatch, z: Array) -> tuple[Array, int]:
+    """Best points (B, d) and the Newton steps of the slowest problem.
+
+    Args:
+        cones: the constraints.
+        z: (B, d) strictly feasible points.
+    """
+    batch, count = cones.head.shape
+    goal = Goal(smooth="alignment")
+    if count < 3 or z.shape[1] < 2:
+        end = minimise(cones, goal, z)
+        return end.z, int(end.iterations.max())
+
+    # Start j < count leaves contact j out, start j = count is the middle.
+    copies = np.tile(np.arange(batch), count + 1)
+    many = cones.take(copies)
+    weight = np.ones((count + 1, batch, count))
+    weight[np.arange(count), :, np.arange(count)] = LEFT_OUT
+    leaving = Goal(smooth="alignment", weight=weight.reshape(-1, count))
+    away = minimise(many, leaving, z[copies], limit=LEAVING_STEPS)
+
+    def rough(value: Array, gap: Array, residual: Array) -> Mask:
+        return np.asarray((gap <= 0.1 * CLOSE * value) & (residual <= CLOSE))
+
+    end = minimise(many, goal, away.z, dual=away.dual, stop=rough)
+    value = end.value.reshape(count + 1, batch)
+    best = value.min(axis=0)
+    hopeful = np.nonzero((value <= best * (1.0 + CLOSE)).reshape(-1))[0]
+    hopeful = _distinct(hopeful, end.z, batch)
+    last = minimise(cones.take(hopeful % batch), goal, end.z[hopeful], dual=end.dual[hopeful])
+    order = np.argsort(-last.value, kind="stable")
+    out = np.array(z)
+    out[hopeful[order] % batch] = last.z[order]
+    steps = away.iterations.max() + end.iterations.max() + last.iterations.max()
+    return out, int(steps)
+
+
+def _distinct(index: NDArray[np.intp], z: Array, batch: int) -> NDArray[np.intp]:
+    """Leave out ends that lie close to an earlier one of the same problem."""
+    keep: list[NDArray[np.intp]] = []
+    seen = np.full((batch, z.shape[1]), np.inf)
+    for k in range(int(index.max()) // batch + 1):
+        mine = index[index // batch == k]
+        problem = mine % batch
+        far = ~(np.abs(z[mine] - seen[problem]).max(axis=1) <= CLOSE)
+        seen[problem[far]] = z[mine[far]]
+        keep.append(mine[far])
+    return np.concatenate(keep)

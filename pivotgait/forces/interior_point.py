@@ -1,0 +1,88 @@
+"""Our batched solver: exact friction cones, all samples of an uncoupled problem at once.
+
+Phase 1 finds strictly feasible forces or proves that there are none; phase 2 minimises.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pivotgait.exceptions import InputError, SolverError
+from pivotgait.forces.cone_batch import ConeBatch
+from pivotgait.forces.local_form import LocalForm, local_form
+from pivotgait.forces.null_space import Inconsistent, Reduced, reduce
+from pivotgait.forces.best_alignment import best_alignment
+from pivotgait.forces.best_margin import best_margin
+from pivotgait.forces.goal import Goal
+from pivotgait.forces.phase_one import FEASIBLE, phase_one
+from pivotgait.forces.primal_dual import minimise
+from pivotgait.forces.problem import AllocationProblem
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+ACCEPTED = 1e-6
+"""A gap that stalls above this share of the objective is an error, not an answer."""
+
+
+
+def solve(problem: AllocationProblem) -> tuple[Array, Mask, int]:
+    """Forces (T, m, 3), NaN where infeasible; feasible (T,); Newton steps of the slowest sample.
+
+    Raises:
+        InputError: for a coupled problem.
+    """
+    if problem.coupled:
+        raise InputError(
+            "the interior point solver takes uncoupled samples", mend="use solver='clarabel'"
+        )
+    form = local_form(problem)
+    friction = np.broadcast_to(problem.friction, (problem.samples, problem.contacts))
+    return solve_form(form, problem.wrench, friction, problem.objective)
+
+
+def solve_form(
+    form: LocalForm, wrench: Array, friction: Array, objective: str
+) -> tuple[Array, Mask, int]:
+    """As :func:`solve`, with the friction (T, m) of each sample."""
+    x = np.full(form.value.shape, np.nan)
+    steps = 0
+    for group in reduce(form, wrench, friction):
+        if isinstance(group, Inconsistent):
+            continue
+        first = phase_one(group.cones)
+        steps = max(steps, int(first.iterations.max()))
+        x[group.index] = np.where(
+            (first.shift <= FEASIBLE)[:, None, None], group.forces(first.z), np.nan
+        )
+        # Without an interior (or unknowns) the point of phase 1 is the answer.
+        inner = np.nonzero(first.shift < -1e-3 * FEASIBLE)[0]
+        if inner.size and group.basis.shape[2]:
+            z, used = _best(group.cones.take(inner), objective, first.z[inner])
+            x[group.index[inner]] = _part(group, inner).forces(z)
+            steps = max(steps, used)
+    force = form.world(x)
+    return force, np.isfinite(x).all(axis=(1, 2)), steps
+
+
+def _part(group: Reduced, keep: NDArray[np.intp]) -> Reduced:
+    return Reduced(
+        group.index[keep],
+        group.scale[keep],
+        group.origin[keep],
+        group.basis[keep],
+        group.cones.take(keep),
+        group.labels,
+        group.loaded,
+    )
+
+
+def _best(cones: ConeBatch, objective: str, z: Array) -> tuple[Array, int]:
+    if objective == "margin":
+        return best_margin(cones, z)
+    if objective == "alignment":
+        return best_alignment(cones, z)
+    end = minimise(cones, Goal(smooth=objective), z)
+    if not np.all(end.gap <= ACCEPTED * np.maximum(end.value, 1.0)):
+        raise SolverError("the interior point method stalled", mend="use solver='clarabel'")
+    return end.z, int(end.iterations.max())

@@ -1,0 +1,15 @@
+"""How far a plan stays from slipping, from lifting its tip and from its force bounds."""
+
+from pivotgait.margins.gait import ContactMargins, PhaseMargins, gait_margins, phase_margins
+from pivotgait.margins.smallest import MARGIN_KINDS, Margin, smallest_margin, smallest_of_phase
+
+__all__ = [
+    "MARGIN_KINDS",
+    "ContactMargins",
+    "Margin",
+    "PhaseMargins",
+    "gait_margins",
+    "phase_margins",
+    "smallest_margin",
+    "smallest_of_phase",
+]

@@ -1,0 +1,53 @@
+"""Tools, table and scenes: loaded from URDF and YAML, checked before native code sees them."""
+
+from pivotgait.models.handle import Handle, SurfacePoint
+from pivotgait.models.paths import model_names, urdf_root
+from pivotgait.models.rest import attitude, rest_pitch
+from pivotgait.models.scene import HandleContact, Scene, Table
+from pivotgait.models.scene_config import (
+    AdditionPhase,
+    AllocationConfig,
+    LiftPhase,
+    LiftTarget,
+    PhaseConfig,
+    RemovalPhase,
+    RemovalWeights,
+    SceneConfig,
+)
+from pivotgait.models.scene_loading import (
+    builtin_scenes,
+    export_scene,
+    load_scene,
+    parse_scene,
+    scene_schema,
+)
+from pivotgait.models.shape import Shape
+from pivotgait.models.tool import Tool, load_tool
+
+__all__ = [
+    "AdditionPhase",
+    "AllocationConfig",
+    "Handle",
+    "HandleContact",
+    "LiftPhase",
+    "LiftTarget",
+    "PhaseConfig",
+    "RemovalPhase",
+    "RemovalWeights",
+    "Scene",
+    "SceneConfig",
+    "Shape",
+    "SurfacePoint",
+    "Table",
+    "Tool",
+    "attitude",
+    "builtin_scenes",
+    "export_scene",
+    "load_scene",
+    "load_tool",
+    "model_names",
+    "parse_scene",
+    "rest_pitch",
+    "scene_schema",
+    "urdf_root",
+]

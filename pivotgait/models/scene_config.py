@@ -1,0 +1,167 @@
+"""The scene file as typed fields: what ``scene.yaml`` may say, with units in the names."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraints
+
+SCHEMA = "pivotgait-scene/1"
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,63}$")]
+Positive = Annotated[FiniteFloat, Field(gt=0)]
+NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+Friction = Annotated[FiniteFloat, Field(gt=0, le=2, description="Coulomb coefficient")]
+Angle = Annotated[FiniteFloat, Field(ge=-360, le=360)]
+Coordinate = Annotated[FiniteFloat, Field(ge=-100, le=100)]
+Vector2 = tuple[Coordinate, Coordinate]
+Vector3 = tuple[Coordinate, Coordinate, Coordinate]
+Duration = Annotated[FiniteFloat, Field(gt=0, le=600, description="length of the phase [s]")]
+Steps = Annotated[int, Field(ge=2, le=4096, description="number of time steps K")]
+
+
+class Config(BaseModel):
+    """Base: unknown keys and numbers in quotes are errors, values cannot change."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        frozen=True,
+        strict=True,
+        populate_by_name=True,
+        use_attribute_docstrings=True,
+    )
+
+
+class ForceBounds(Config):
+    """Bounds of a normal force [N] (Xue et al., eq. 6)."""
+
+    min: NotNegative
+    max: Positive
+
+
+class HandleConfig(Config):
+    """The handle and the coordinates on it, in the URDF's root-link frame."""
+
+    shapes: Annotated[tuple[str, ...], Field(min_length=1)]
+    """Names of the collision shapes that form the handle."""
+    origin_m: Vector3
+    """Where ``along_m`` is 0."""
+    axis: Vector3
+    """Direction of growing ``along_m``, any length."""
+    zero: Vector3
+    """Direction of ``around_deg`` 0, normal to the axis; the angle is right-handed about it."""
+
+
+class ToolConfig(Config):
+    """The tool: a built-in model's name or a URDF path relative to the scene file."""
+
+    urdf: Annotated[str, Field(min_length=1, max_length=1000)]
+    tip: str = "tip"
+    """Name of the collision sphere that pivots on the table."""
+    handle: HandleConfig
+
+
+class TableConfig(Config):
+    """A horizontal rectangle in the world frame."""
+
+    height_m: Coordinate = 0.0
+    centre_m: Vector2
+    half_size_m: tuple[Positive, Positive]
+    friction: Friction
+    normal_force_N: ForceBounds
+
+
+class RestConfig(Config):
+    """How the tool lies at the start; its pitch follows from lying on the table."""
+
+    pivot_m: Vector2
+    """World x and y of the pivot."""
+    yaw_deg: Angle = 0.0
+    roll_deg: Angle = 0.0
+
+
+class ContactConfig(Config):
+    """A place on the handle and the finger that may touch it."""
+
+    finger: Name
+    along_m: Coordinate
+    around_deg: Angle
+    friction: Friction
+    normal_force_N: ForceBounds
+
+
+class AllocationConfig(Config):
+    """How contact forces are chosen among the possible ones."""
+
+    objective: Literal["alignment", "tangential", "effort", "margin"] = "alignment"
+    force_rate_max_N_s: Positive = 20.0
+
+
+class LiftTarget(Config):
+    """Attitude after the lift: absolute pitch; roll and yaw relative to the rest."""
+
+    pitch_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)]
+    roll_deg: Angle = 0.0
+    yaw_deg: Angle = 0.0
+
+
+class LiftPhase(Config):
+    """Pivot the tool up from its rest, held by the given contacts."""
+
+    kind: Literal["lift"]
+    contacts: Annotated[tuple[Name, ...], Field(min_length=2)]
+    duration_s: Duration
+    steps: Steps
+    profile: Literal["quintic", "trapezoidal"] = "quintic"
+    to: LiftTarget
+
+
+class AdditionPhase(Config):
+    """Bring a finger to a contact while the tool rests; it may have been elsewhere before."""
+
+    kind: Literal["addition"]
+    contact: Name
+    duration_s: Duration
+    steps: Steps
+
+
+class RemovalWeights(Config):
+    """Weights of the removal's cost (Xue et al., Section IV-A)."""
+
+    reorientation: NotNegative = 1.0
+    acceleration: NotNegative = 1e-3
+    alignment: NotNegative = 2e-2
+
+
+class RemovalPhase(Config):
+    """Unload a finger while the tool pivots to an attitude that the others can hold."""
+
+    kind: Literal["removal"]
+    contact: Name
+    duration_s: Duration
+    steps: Steps
+    weights: RemovalWeights = RemovalWeights()
+    doubling: bool = False
+    """Solve with few steps first and double them."""
+
+
+PhaseConfig = Annotated[LiftPhase | AdditionPhase | RemovalPhase, Field(discriminator="kind")]
+
+
+class SceneConfig(Config):
+    """A whole scene file. SI units; world frame z up; angles in degrees."""
+
+    schema_: Annotated[Literal["pivotgait-scene/1"], Field(alias="schema")]
+    name: Name
+    description: Annotated[str, Field(max_length=2000)] = ""
+    tool: ToolConfig
+    table: TableConfig
+    rest: RestConfig
+    gravity_m_s2: Vector3 = (0.0, 0.0, -9.81)
+    clearance_m: Annotated[FiniteFloat, Field(ge=0, le=0.1)] = 0.001
+    """Smallest distance of tool and hand to what they must not touch."""
+    contacts: Annotated[dict[Name, ContactConfig], Field(min_length=2)]
+    allocation: AllocationConfig = AllocationConfig()
+    gaits: Annotated[
+        dict[Name, Annotated[tuple[PhaseConfig, ...], Field(min_length=1)]], Field(min_length=1)
+    ]

@@ -1,0 +1,180 @@
+"""Scenes from a built-in name, a file or a text."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from pivotgait.exceptions import SceneError, UnknownNameError
+from pivotgait.models.paths import is_file, model_names, urdf_root
+from pivotgait.models.rest import attitude, rest_pitch
+from pivotgait.models.scene import HandleContact, Scene, Table
+from pivotgait.models.scene_checks import check_config, check_lifts
+from pivotgait.models.scene_config import SceneConfig, ToolConfig
+from pivotgait.models.scene_errors import as_scene_error
+from pivotgait.models.scene_yaml import MAX_BYTES, read_yaml
+from pivotgait.models.tool import Tool, load_tool
+
+
+def builtin_scenes() -> tuple[str, ...]:
+    """Names of the scenes that come with the package, sorted."""
+    entries = (files("pivotgait.models") / "scenes").iterdir()
+    return tuple(sorted(e.name.removesuffix(".yaml") for e in entries if e.name.endswith(".yaml")))
+
+
+def export_scene(name: str) -> str:
+    """YAML text of a built-in scene.
+
+    Raises:
+        UnknownNameError: listing the built-in scenes.
+    """
+    if name not in builtin_scenes():
+        raise UnknownNameError("scene", name, builtin_scenes())
+    return (files("pivotgait.models") / "scenes" / f"{name}.yaml").read_text(encoding="utf-8")
+
+
+def scene_schema() -> dict[str, Any]:
+    """JSON schema of the scene file, for editors."""
+    return SceneConfig.model_json_schema(by_alias=True)
+
+
+def load_scene(scene: str | Path) -> Scene:
+    """Load a scene.
+
+    Args:
+        scene: a built-in name, or the path of a YAML file.
+
+    Raises:
+        SceneError: naming the field and the way to mend it.
+        UrdfError: for the tool's URDF.
+        UnknownNameError: for a scene, tool, shape or contact that does not exist.
+    """
+    if isinstance(scene, str) and scene in builtin_scenes():
+        return parse_scene(export_scene(scene), where=f"{scene}.yaml")
+    path = Path(scene)
+    if path.name == str(scene) and path.suffix == "" and not is_file(path):
+        raise UnknownNameError("scene", str(scene), builtin_scenes())
+    return parse_scene(_read(path), where=path.name, folder=path.parent)
+
+
+def parse_scene(text: str, *, where: str = "scene", folder: Path | None = None) -> Scene:
+    """Load a scene from its YAML text.
+
+    Args:
+        text: the whole YAML text.
+        where: its name in messages.
+        folder: in which a relative URDF path starts; without it only built-in tools are found.
+
+    Raises:
+        SceneError, UrdfError, UnknownNameError: as :func:`load_scene`.
+    """
+    config = _validate(read_yaml(text, where=where), where)
+    check_config(config, where)
+    tool = _load_tool(config.tool, folder, where)
+    table = config.table
+    pitch = rest_pitch(tool, np.radians(config.rest.roll_deg), where=f"{where}: rest")
+    yaw, roll = np.radians([config.rest.yaw_deg, config.rest.roll_deg])
+    scene = Scene(
+        name=config.name,
+        description=config.description,
+        config=config,
+        yaml=text,
+        tool=tool,
+        table=Table(
+            table.height_m,
+            np.array(table.centre_m),
+            np.array(table.half_size_m),
+            table.friction,
+            table.normal_force_N.min,
+            table.normal_force_N.max,
+        ),
+        gravity=np.array(config.gravity_m_s2),
+        clearance=config.clearance_m,
+        pivot=np.array([*config.rest.pivot_m, table.height_m + tool.tip_radius]),
+        rest_pitch=pitch,
+        rest_orientation=attitude(yaw, pitch, roll).as_quat(canonical=True),
+        contacts=MappingProxyType(_contacts(config, tool, where)),
+        gaits=MappingProxyType(dict(config.gaits)),
+    )
+    check_lifts(scene, where)
+    return scene
+
+
+def _validate(data: dict[str, Any], where: str) -> SceneConfig:
+    # Through JSON, so that pydantic's strict mode takes lists for tuples but no "1.5" for 1.5.
+    try:
+        return SceneConfig.model_validate_json(json.dumps(data, default=str))
+    except ValidationError as error:
+        raise as_scene_error(error, SceneConfig, where) from error
+    except (TypeError, ValueError, RecursionError) as error:
+        mend = "use plain text as keys and no alias to itself"
+        raise SceneError(f"cannot be used: {error}", where=where, mend=mend) from error
+
+
+def _contacts(config: SceneConfig, tool: Tool, where: str) -> dict[str, HandleContact]:
+    contacts = {}
+    for name, given in config.contacts.items():
+        at = f"{where}: contacts.{name}"
+        place = tool.place(given.along_m, np.radians(given.around_deg), where=at)
+        bounds = given.normal_force_N
+        contacts[name] = HandleContact(
+            name, given.finger, place.point, place.normal, given.friction, bounds.min, bounds.max
+        )
+    return contacts
+
+
+def _load_tool(config: ToolConfig, folder: Path | None, where: str) -> Tool:
+    handle = config.handle
+    return load_tool(
+        _find_urdf(config.urdf, folder, f"{where}: tool.urdf"),
+        tip=config.tip,
+        handle=handle.shapes,
+        origin=np.array(handle.origin_m),
+        axis=np.array(handle.axis),
+        zero=np.array(handle.zero),
+        roots=(urdf_root(),) if folder is None else (folder, urdf_root()),
+    )
+
+
+def _find_urdf(given: str, folder: Path | None, at: str) -> Path:
+    """The URDF of a built-in model, or a file in the scene's folder or the built-in models'."""
+    if given in model_names():
+        return urdf_root() / given / f"{given}.urdf"
+    if not given.endswith(".urdf"):
+        raise UnknownNameError("tool", given, model_names(), where=at)
+    roots = [root.resolve() for root in (folder, urdf_root()) if root is not None]
+    mend = "put the URDF beside the scene file and give its relative path"
+    if "\0" in given:
+        raise SceneError("is not a path", where=at, mend=mend)
+    candidates = [root / given for root in roots]
+    candidates = [path for path in candidates if is_file(path)] or candidates
+    inside = [
+        path
+        for candidate in candidates
+        if any((path := candidate.resolve()).is_relative_to(root) for root in roots)
+    ]
+    if not inside:
+        raise SceneError(f"{given!r} is outside the scene's folder", where=at, mend=mend)
+    return inside[0]
+
+
+def _read(path: Path) -> str:
+    where = path.name or str(path)
+    if not is_file(path):
+        mend = f"give a YAML file or one of {', '.join(builtin_scenes())}"
+        raise SceneError("is not a file", where=where, mend=mend)
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            what = f"has {path.stat().st_size} bytes, the limit is {MAX_BYTES}"
+            raise SceneError(what, where=where, mend="a scene needs a few kilobytes")
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise SceneError("is not UTF-8 text", where=where, mend="save it as UTF-8") from error
+    except OSError as error:
+        raise SceneError("cannot be read", where=where, mend="check its permissions") from error

@@ -1,0 +1,1 @@
+"""Lift, removal and addition: each plans one phase of a gait."""

@@ -1,0 +1,240 @@
+"""Removal: unload one finger while the tool pivots to keep the others' contacts (Section IV-A)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from pivotgait.contacts import contact_frame
+from pivotgait.exceptions import InfeasibleError, SolverError
+from pivotgait.models import HandleContact
+from pivotgait.phases.grasp import Grasp, Setting, finger_track
+from pivotgait.phases.removal_nlp import solve_removal
+from pivotgait.phases.removal_problem import RemovalProblem, RemovalSolution, RemovalWeights
+from pivotgait.phases.removal_socp import solve_removal_by_socps
+from pivotgait.phases.static_grasp import smallest_turn
+from pivotgait.plans import PIVOT, Phase
+
+Array = NDArray[np.float64]
+RemovalSolver = Literal["fatrop", "ipopt", "socp"]
+
+CLEAR_POINTS = 4
+"""Points kept over the table at once; the compiled program has room for this many."""
+LARGEST_STEP_RAD = 0.4
+"""Rotation within one step for which the program's series of the exponential is exact."""
+
+
+@dataclass(frozen=True)
+class RemovalOptions:
+    """How to remove a finger.
+
+    Attributes:
+        duration_s: [s].
+        steps: number of intervals K.
+        weights: of the cost.
+        solver: ``fatrop`` (the fastest measured), ``ipopt``, or ``socp`` (successive
+            second-order cone programs, independent of CasADi).
+        doubling: scale up as the paper does: solve a coarse problem, double K, start from the
+            interpolated result. On our scenes it reaches the same optimum and costs more than
+            the direct solve, whose program is benign (see the closing table of ``bench``).
+    """
+
+    duration_s: float
+    steps: int
+    weights: RemovalWeights = field(default_factory=RemovalWeights)
+    solver: RemovalSolver = "fatrop"
+    doubling: bool = False
+
+
+def plan_removal(
+    setting: Setting, grasp: Grasp, finger: str, options: RemovalOptions, *, name: str
+) -> tuple[Phase, Grasp]:
+    """Plan the removal of a finger.
+
+    Args:
+        setting: tool and table.
+        grasp: the tool at rest, held with known forces by this finger and others.
+        finger: the one that leaves.
+        options: timing, weights, solver.
+        name: of the phase.
+
+    Returns:
+        The phase and the grasp it ends in.
+
+    Raises:
+        InfeasibleError: the others cannot hold the tool in any orientation nearby.
+        SolverError: they can, but no trajectory was found.
+    """
+    staying = [contact for each, contact in grasp.fingers.items() if each != finger]
+    leaving = grasp.fingers[finger]
+    problem = removal_problem(setting, grasp, staying, leaving, options)
+    need = smallest_turn(problem)
+    if not need.feasible:
+        others = ", ".join(contact.finger for contact in staying)
+        raise InfeasibleError(
+            f"without {finger} the contacts pivot, {others} cannot hold the tool at rest in any "
+            f"orientation found ({need.reason})",
+            where=name,
+            mend="more friction or finger force, or other contact places",
+        )
+    solution = _clear_of_table(setting, problem, options)
+    motion = solution.motion(setting.body)
+    contacts = {PIVOT: setting.pivot_track(solution.force[:, 0])}
+    for place, contact in enumerate([*staying, leaving], start=1):
+        track = finger_track(contact, solution.force[:, place], changing=contact is leaving)
+        contacts[contact.finger] = track
+    record: Mapping[str, Any] = {
+        "solver": solution.solver,
+        "iterations": solution.iterations,
+        "cost": solution.cost,
+        "kkt_residual": solution.kkt_residual,
+        "smallest_static_turn_deg": float(np.degrees(need.angle)),
+        "static_without_turning": need.angle < 1e-4,
+    }
+    time = problem.step_s * np.arange(problem.steps + 1)
+    phase = Phase(name, "removal", finger, time, motion, contacts, record)
+    fingers = {contact.finger: contact for contact in staying}
+    return phase, Grasp.after(motion, fingers, contacts)
+
+
+def removal_problem(
+    setting: Setting,
+    grasp: Grasp,
+    staying: list[HandleContact],
+    leaving: HandleContact,
+    options: RemovalOptions,
+) -> RemovalProblem:
+    """The numbers of a removal, with the lowest points of the tool to keep over the table."""
+    scene, fingers = setting.scene, [*staying, leaving]
+    problem = RemovalProblem(
+        steps=options.steps,
+        step_s=options.duration_s / options.steps,
+        body=setting.body,
+        orientation=grasp.rotation.as_quat(),
+        points=np.stack([contact.point for contact in fingers]),
+        frames=contact_frame(np.stack([contact.normal for contact in fingers])),
+        friction=np.array([scene.table.friction, *(c.friction for c in fingers)]),
+        normal_min=np.array([scene.table.normal_min, *(c.normal_min for c in staying), 0.0]),
+        normal_max=np.array([scene.table.normal_max, *(c.normal_max for c in fingers)]),
+        start_force=np.stack([grasp.forces[each] for each in (PIVOT, *(c.finger for c in fingers))]),
+        clear_lever=np.zeros((CLEAR_POINTS, 3)),
+        clear_rise=np.full(CLEAR_POINTS, -1.0),
+        force_rate_max=scene.allocation.force_rate_max_N_s,
+        weights=options.weights,
+    )
+    rise, floor = _rises(setting, grasp.rotation.as_matrix())
+    return _keep_clear(setting, problem, np.argsort(rise - floor)[:CLEAR_POINTS])
+
+
+def _rises(setting: Setting, turn: Array) -> tuple[Array, Array]:
+    """Heights (..., P) of the tool's covering balls over the pivot, and their least (P,) [m]."""
+    tool = setting.scene.tool
+    points, radii = tool.support_points()
+    rise = turn[..., 2, :] @ (points - tool.pivot_in_tool).T
+    return rise, radii + setting.scene.clearance - tool.tip_radius
+
+
+def _keep_clear(setting: Setting, problem: RemovalProblem, chosen: Any) -> RemovalProblem:
+    tool = setting.scene.tool
+    points, radii = tool.support_points()
+    lever, rise = np.zeros((CLEAR_POINTS, 3)), np.full(CLEAR_POINTS, -1.0)
+    count = len(chosen)
+    lever[:count] = (points - tool.pivot_in_tool)[chosen]
+    # a micrometre of reserve, so that the solver's tolerance does not eat the clearance
+    rise[:count] = radii[chosen] + setting.scene.clearance - tool.tip_radius + 1e-6
+    return replace(problem, clear_lever=lever, clear_rise=rise)
+
+
+def _clear_of_table(
+    setting: Setting, problem: RemovalProblem, options: RemovalOptions
+) -> RemovalSolution:
+    """Solve, and solve again with the points that came too low, until none does."""
+    for _ in range(4):
+        solution = solve_with(problem, options.solver, doubling=options.doubling)
+        turn = Rotation.from_quat(solution.orientation).as_matrix()
+        rise, floor = _rises(setting, turn)
+        reserve = (rise - floor).min(axis=0)
+        if reserve.min(initial=np.inf) >= 0.0:
+            return solution
+        problem = _keep_clear(setting, problem, np.argsort(reserve)[:CLEAR_POINTS])
+    raise SolverError(
+        "the tool's lowest points change from round to round, and one stays too near the table",
+        where="removal",
+        mend="lift the tool higher before the removal",
+    )
+
+
+def solve_with(
+    problem: RemovalProblem, solver: RemovalSolver, *, doubling: bool = False
+) -> RemovalSolution:
+    """Solve a removal problem with a named solver, directly or by doubling K.
+
+    Raises:
+        SolverError: not converged, or steps too coarse for the integration.
+    """
+    guess = None
+    for steps in _rounds(problem.steps) if doubling else ():
+        coarse = replace(problem, steps=steps, step_s=problem.step_s * problem.steps / steps)
+        try:
+            guess = _solve(coarse, solver, None if guess is None else resample(guess, coarse))
+        except SolverError:  # a coarse grid may be infeasible where the fine one is not
+            guess = None
+    solution = _solve(problem, solver, None if guess is None else resample(guess, problem))
+    turn = float(np.linalg.norm(solution.angular_velocity, axis=1).max() * problem.step_s)
+    if turn > LARGEST_STEP_RAD:
+        raise SolverError(
+            f"the tool turns {np.degrees(turn):.0f} deg within one step",
+            where="removal.steps",
+            mend="take more steps",
+        )
+    return solution
+
+
+def _solve(
+    problem: RemovalProblem, solver: RemovalSolver, guess: RemovalSolution | None
+) -> RemovalSolution:
+    if solver == "socp":
+        return solve_removal_by_socps(problem, guess)
+    if solver == "ipopt" or not problem.rated:
+        return solve_removal(problem, solver=solver, guess=guess)
+    # FATROP has no rows between stages: it solves without the rate, and if the answer keeps the
+    # rate it is the optimum with it too, having had fewer constraints
+    free = solve_removal(replace(problem, force_rate_max=np.inf), guess=guess)
+    if free.largest_rate(problem) <= problem.force_rate_max:
+        return free
+    return solve_removal(problem, solver="ipopt", guess=replace(free, multipliers=None))
+
+
+def _rounds(steps: int, least: int = 8) -> list[int]:
+    """K/2, K/4, ... down to about ``least``, ascending."""
+    rounds = []
+    while steps % 2 == 0 and steps // 2 >= least:
+        steps //= 2
+        rounds.append(steps)
+    return rounds[::-1]
+
+
+def resample(solution: RemovalSolution, problem: RemovalProblem) -> RemovalSolution:
+    """Interpolate a solution to the samples of another problem of the same duration."""
+    old = np.linspace(0.0, 1.0, len(solution.orientation))
+    new = np.linspace(0.0, 1.0, problem.steps + 1)
+
+    def linear(values: Array) -> Array:
+        flat = values.reshape(len(values), -1)
+        columns = [np.interp(new, old, column) for column in flat.T]
+        return np.stack(columns, axis=1).reshape(len(new), *values.shape[1:])
+
+    slerp = Slerp(old, Rotation.from_quat(solution.orientation))
+    return replace(
+        solution,
+        orientation=slerp(new).as_quat(),
+        angular_velocity=linear(solution.angular_velocity),
+        angular_acceleration=linear(solution.angular_acceleration),
+        force=linear(solution.force),
+        multipliers=None,
+    )

@@ -1,0 +1,324 @@
+"""Finger removal solved as one nonlinear program by FATROP or IPOPT (both through CasADi).
+
+The compiled program depends only on the number of steps, fingers and clearance points; every
+number of the problem is a parameter, so one program serves every cell of a sweep.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from pivotgait.contacts import grasp_map
+from pivotgait.dynamics import required_wrench
+from pivotgait.exceptions import SolverError
+from pivotgait.phases.removal_model import PARAMETERS, removal_program
+from pivotgait.phases.removal_problem import RemovalProblem, RemovalSolution, removal_cost
+
+Array = NDArray[np.float64]
+NlpSolver = Literal["fatrop", "ipopt"]
+
+OBJECTIVE_SCALE = 30.0
+"""The cost of a good removal is about 0.03: scaled to 1, or the solvers stop too early."""
+FRICTION_RESERVE = 1e-6
+"""Relative reserve of friction: a cone is then kept to 1e-8 N in spite of a tolerance of 1e-8."""
+BOUND_RESERVE_N = 1e-7
+"""Reserve of the bounds of normal forces [N], for the same reason."""
+
+
+class RemovalNlp:
+    """A compiled removal program.
+
+    Args:
+        steps: K.
+        staying: number of fingers that stay.
+        clear_points: number of points kept over the table.
+        solver: ``fatrop`` (uses the stage structure) or ``ipopt`` (general).
+        warm: start the barrier low, for a guess that is nearly optimal.
+        rated: bound the rate of finger forces, which couples stages: IPOPT only.
+    """
+
+    def __init__(
+        self,
+        steps: int,
+        staying: int,
+        clear_points: int,
+        solver: NlpSolver,
+        warm: bool,
+        rated: bool,
+    ) -> None:
+        import casadi as ca
+
+        program = removal_program(steps, staying, clear_points, rated=rated)
+        self.steps, self.staying, self.solver = steps, staying, solver
+        self.equality = np.array(program.equality)
+        objective, constraints = ca.cse(
+            [OBJECTIVE_SCALE * program.objective, ca.vertcat(*program.constraints)]
+        )
+        nlp = {
+            "x": ca.vertcat(*program.variables),
+            "f": objective,
+            "g": constraints,
+            "p": program.parameters,
+        }
+        self._bounds = {"lbg": ca.DM(program.lower), "ubg": ca.DM(program.upper)}
+        options: dict[str, Any] = {"print_time": False, "error_on_fail": False}
+        if solver == "fatrop":
+            options |= {
+                "structure_detection": "manual",
+                "N": steps - 1,
+                "nx": program.states,
+                "nu": program.controls,
+                "ng": program.path_rows,
+                "equality": program.equality,
+                "fatrop.print_level": 0,
+                "fatrop.tol": 1e-8,
+                "fatrop.max_iter": 300,
+            }
+            if warm:
+                options["fatrop.mu_init"] = 1e-5
+        else:
+            options |= {
+                "ipopt.print_level": 0,
+                "ipopt.sb": "yes",
+                "ipopt.tol": 1e-8,
+                "ipopt.constr_viol_tol": 1e-9,
+                "ipopt.max_iter": 500,
+            }
+            if warm:
+                options |= {"ipopt.warm_start_init_point": "yes", "ipopt.mu_init": 1e-5}
+        self.nlpsol = ca.nlpsol("removal", solver, nlp, options)
+        self._gradient = self.nlpsol.get_function("nlp_grad")
+        self._places = _places(program.states, program.controls, staying)
+
+    def solve(self, problem: RemovalProblem, guess: RemovalSolution | None) -> RemovalSolution:
+        """Solve one problem of this shape.
+
+        Raises:
+            SolverError: the solver did not converge.
+        """
+        parameters = pack(problem)
+        start = {"x0": self._guess(problem, guess)}
+        if guess is not None and guess.multipliers is not None:
+            multipliers = guess.multipliers[0]
+            if len(multipliers) == len(self.equality):
+                start["lam_g0"] = multipliers
+        answer = self.nlpsol(p=parameters, **start, **self._bounds)
+        stats = self.nlpsol.stats()
+        x, dual = np.array(answer["x"]).ravel(), np.array(answer["lam_g"]).ravel()
+        residual = self._kkt_residual(x, parameters, dual)
+        # FATROP may stop a little short of 1e-8 in the dual and call it a failure
+        if not (stats["success"] or residual <= 1e-6):
+            status = str(stats.get("unified_return_status", stats.get("return_status")))
+            raise SolverError(
+                f"{self.solver} found no removal in {stats.get('iter_count')} iterations "
+                f"({status}, KKT residual {residual:.1e})",
+                where="removal",
+                mend="give more time or steps, more friction, or a smaller starting force",
+            )
+        return self._solution(problem, x, dual, residual, int(stats["iter_count"]))
+
+    def _kkt_residual(self, x: Array, parameters: Array, dual: Array) -> float:
+        """Largest violation of stationarity, feasibility, sign and complementarity."""
+        _, rows, gradient, _ = self._gradient(x, parameters, 1.0, dual)
+        g = np.array(rows).ravel()
+        slack, pressure = g[~self.equality], dual[~self.equality]
+        parts = [
+            np.abs(np.array(gradient)).max() / OBJECTIVE_SCALE,
+            np.abs(g[self.equality]).max(),
+            np.max(-slack, initial=0.0),
+            np.max(pressure, initial=0.0) / OBJECTIVE_SCALE,
+            np.abs(slack * pressure).max(initial=0.0) / OBJECTIVE_SCALE,
+        ]
+        return float(max(parts))
+
+    def _guess(self, problem: RemovalProblem, guess: RemovalSolution | None) -> Array:
+        x = np.zeros(self._places["size"])
+        if guess is None:  # the tool stays where it is, and so do the forces of the others
+            turn = Rotation.from_quat(problem.orientation).as_matrix()
+            world = np.concatenate((np.eye(3)[None], turn @ problem.frames))
+            local = np.einsum("mij,mi->mj", world, problem.start_force)
+            normal = np.clip(local[:, 2], problem.normal_min, problem.normal_max)
+            start = np.column_stack((_slopes(local), normal))
+            x[self._places["attitude"]] = problem.orientation
+            x[self._places["table"]] = start[0]
+            x[self._places["fingers"]] = start[1:-1].ravel()
+            x[self._places["leaving"]] = start[-1, :2]
+            return x
+        turn = Rotation.from_quat(guess.orientation[1:]).as_matrix()
+        orientation = guess.orientation[1:]
+        signs = np.sign(orientation @ problem.orientation)[:, None]
+        x[self._places["attitude"]] = orientation * np.where(signs == 0.0, 1.0, signs)
+        x[self._places["omega"]] = np.einsum("kji,kj->ki", turn, guess.angular_velocity[1:])
+        rates = np.einsum("kji,kj->ki", turn, guess.angular_acceleration[1:])
+        x[self._places["s"]] = rates[:-1]
+        frames = np.einsum("kij,mjl->kmil", turn, problem.frames)
+        local = np.einsum("kmil,kmi->kml", frames, guess.force[1:, 1:])
+        table = guess.force[1:, 0]
+        x[self._places["table"]] = np.column_stack((_slopes(table), table[:, 2]))
+        for i in range(self.staying):
+            columns = np.column_stack((_slopes(local[:, i]), local[:, i, 2]))
+            x[self._places["fingers"][:, 3 * i : 3 * i + 3]] = columns
+        x[self._places["leaving"]] = _slopes(local[:-1, -1])
+        return x
+
+    def _solution(
+        self, problem: RemovalProblem, x: Array, dual: Array, residual: float, iterations: int
+    ) -> RemovalSolution:
+        place, samples, n = self._places, self.steps + 1, self.staying
+        orientation = np.empty((samples, 4))
+        orientation[0], orientation[1:] = problem.orientation, x[place["attitude"]]
+        orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
+        turn = Rotation.from_quat(orientation).as_matrix()
+        omega, sigma = np.zeros((samples, 3)), np.zeros((samples, 3))
+        omega[1:] = np.einsum("kij,kj->ki", turn[1:], x[place["omega"]])
+        omega[-1] = 0.0
+        sigma[1:-1] = np.einsum("kij,kj->ki", turn[1:-1], x[place["s"]])
+        local = np.zeros((samples, n + 1, 3))
+        for i in range(n):
+            local[1:, i] = _force(x[place["fingers"][:, 3 * i : 3 * i + 3]])
+        ramp = problem.ramp
+        local[1:-1, n] = _force(np.column_stack((x[place["leaving"]], ramp[1:-1])))
+        force = np.empty((samples, n + 2, 3))
+        force[:, 1:] = np.einsum("kij,mjl,kml->kmi", turn, problem.frames, local, optimize=True)
+        force[1:, 0] = _force(x[place["table"]])
+        force[0] = problem.start_force
+        balance(problem, orientation, omega, sigma, force)
+        return RemovalSolution(
+            orientation=orientation,
+            angular_velocity=omega,
+            angular_acceleration=sigma,
+            force=force,
+            cost=removal_cost(problem, orientation, sigma, force),
+            solver=self.solver,
+            iterations=iterations,
+            kkt_residual=residual,
+            multipliers=(dual,),
+        )
+
+
+@lru_cache(maxsize=24)
+def removal_nlp(
+    steps: int,
+    staying: int,
+    clear_points: int,
+    solver: NlpSolver = "fatrop",
+    warm: bool = False,
+    rated: bool = False,
+) -> RemovalNlp:
+    """The compiled program of a shape, built on first use (about 0.4 s at K = 64)."""
+    return RemovalNlp(steps, staying, clear_points, solver, warm, rated)
+
+
+def solve_removal(
+    problem: RemovalProblem,
+    *,
+    solver: NlpSolver = "fatrop",
+    guess: RemovalSolution | None = None,
+) -> RemovalSolution:
+    """Solve the removal problem of Section IV-A to local optimality.
+
+    Args:
+        problem: the numbers.
+        solver: ``fatrop`` or ``ipopt``.
+        guess: a solution of a like problem with the same number of steps.
+
+    Raises:
+        SolverError: the solver did not converge, or cannot bound the rate of forces.
+    """
+    if problem.rated and solver == "fatrop":
+        raise SolverError(
+            "fatrop cannot bound the rate of forces, which couples stages",
+            where="removal",
+            mend="use ipopt or socp, or no force_rate_max",
+        )
+    shape = (problem.steps, problem.staying, len(problem.clear_rise))
+    warm = guess is not None and guess.multipliers is not None
+    return removal_nlp(*shape, solver, warm, problem.rated).solve(problem, guess)
+
+
+def pack(problem: RemovalProblem) -> Array:
+    """Parameters of the program in the order of :data:`removal_model.PARAMETERS`."""
+    body = problem.body
+    friction = problem.friction * (1.0 - FRICTION_RESERVE)
+    values: dict[str, Any] = {
+        "orientation": problem.orientation,
+        "step_s": problem.step_s,
+        "mass": body.mass,
+        "inertia": body.inertia,
+        "pivot_in_tool": body.pivot_in_tool,
+        "gravity": body.gravity,
+        "points": problem.points.T,
+        "frames": problem.frames.transpose(2, 1, 0).reshape(9, -1),
+        "friction": friction,
+        "normal_min": problem.normal_min + BOUND_RESERVE_N,
+        "normal_max": problem.normal_max - BOUND_RESERVE_N,
+        "start_local": problem.start_local.T,
+        # the same reserve as the friction's keeps the rate exactly
+        "change_max": problem.change_max * (1.0 - FRICTION_RESERVE) if problem.rated else 0.0,
+        "clear_lever": problem.clear_lever.T,
+        "clear_rise": problem.clear_rise,
+        "weights": problem.weights.as_array,
+    }
+    return np.concatenate([np.ravel(values[name], order="F") for name in PARAMETERS])
+
+
+def _places(states: list[int], controls: list[int], staying: int) -> dict[str, Any]:
+    """Where each quantity stands in the vector of variables, as index arrays over stages."""
+    stages = len(states)
+    size = np.array(states) + np.array(controls)
+    first = np.concatenate(([0], np.cumsum(size)[:-1]))
+    control = first + np.array(states)
+    last = np.arange(stages) == stages - 1
+    fingers = control + np.where(last, 0, 3)
+    leaving = fingers + 3 * staying
+    table = leaving + np.where(last, 0, 2)
+    return {
+        "size": int(size.sum()),
+        "attitude": first[:, None] + np.arange(4),
+        "omega": first[:, None] + np.arange(4, 7),
+        "s": control[:-1, None] + np.arange(3),
+        "fingers": fingers[:, None] + np.arange(3 * staying),
+        "leaving": leaving[:-1, None] + np.arange(2),
+        "table": table[:, None] + np.arange(3),
+    }
+
+
+def _force(parts: Array) -> Array:
+    """f = f_n (tau_x, tau_y, 1) from rows (tau_x, tau_y, f_n)."""
+    return np.column_stack((parts[:, :2] * parts[:, 2:], parts[:, 2]))
+
+
+def _slopes(force: Array) -> Array:
+    """tau = f_t / f_n of rows (f_x, f_y, f_n); 0 where there is no force."""
+    loaded = np.abs(force[:, 2:]) > 1e-9
+    return np.where(loaded, force[:, :2] / np.where(loaded, force[:, 2:], 1.0), 0.0)
+
+
+def balance(
+    problem: RemovalProblem, orientation: Array, omega: Array, sigma: Array, force: Array
+) -> None:
+    """Remove the solver's residual of (3), about 1e-9 N, by the smallest change of forces.
+
+    In place, samples 1..K; the leaving finger keeps its ramp. The reserves of :func:`pack` are
+    larger than the change.
+    """
+    solution = RemovalSolution(orientation, omega, sigma, force, 0.0, "", 0, 0.0)
+    motion = solution.motion(problem.body)
+    levers = np.vstack((problem.body.pivot_in_tool, problem.points))
+    g = grasp_map(np.einsum("kij,mj->kmi", motion.rotation.as_matrix(), levers))
+    wrench = required_wrench(problem.body, motion)
+    samples, contacts = force.shape[:2]
+    missing = wrench - np.einsum("kij,kj->ki", g, force.reshape(samples, -1))
+    kept = g[1:, :, : 3 * (contacts - 1)]
+    if problem.staying >= 2:
+        gram = kept @ np.swapaxes(kept, 1, 2)
+        pull = np.linalg.solve(gram, missing[1:, :, None])
+        change = np.swapaxes(kept, 1, 2) @ pull
+    else:  # two points leave one moment free: the grasp map has rank five
+        change = np.linalg.pinv(kept, rcond=1e-9) @ missing[1:, :, None]
+    force[1:, :-1] += change.reshape(samples - 1, contacts - 1, 3)

@@ -1,0 +1,28 @@
+"""Results in, matplotlib Figures out: nothing is planned or solved here."""
+
+from pivotgait.plotting.angle import angle_to_normal
+from pivotgait.plotting.cone import force_in_cone
+from pivotgait.plotting.forces import normal_forces
+from pivotgait.plotting.margins import margins
+from pivotgait.plotting.orientation import orientation
+from pivotgait.plotting.overview import overview
+from pivotgait.plotting.save import SavedFigure, figure_bytes, save_figure
+from pivotgait.plotting.snapshots import gait_strip, tool_snapshots
+from pivotgait.plotting.style import COLUMN_WIDTH, PAGE_WIDTH, contact_colours
+
+__all__ = [
+    "COLUMN_WIDTH",
+    "PAGE_WIDTH",
+    "SavedFigure",
+    "angle_to_normal",
+    "contact_colours",
+    "figure_bytes",
+    "force_in_cone",
+    "gait_strip",
+    "margins",
+    "normal_forces",
+    "orientation",
+    "overview",
+    "save_figure",
+    "tool_snapshots",
+]

@@ -1,0 +1,88 @@
+"""The figures a report shows: drawn by ``plotting``, saved, and described in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pivotgait import plotting
+from pivotgait.plans.plan import GaitPlan, Phase
+from pivotgait.reporting.page import Picture
+
+
+def draw_figures(plan: GaitPlan, folder: Path) -> dict[str, Picture]:
+    """Draw every figure of ``plan`` and save it in ``folder`` as PDF and PNG.
+
+    Returns:
+        The pictures by name, as :func:`pivotgait.reporting.write_report` takes them.
+
+    Raises:
+        OSError: if the folder cannot be written.
+    """
+    pictures = dict(_gait_pictures(plan, folder))
+    for phase in plan.phases:
+        pictures |= _phase_pictures(plan, phase, folder)
+    return pictures
+
+
+def _gait_pictures(plan: GaitPlan, folder: Path) -> Iterator[tuple[str, Picture]]:
+    tool, names = plan.tool.name, ", ".join(phase.name for phase in plan.phases)
+    narrow = plotting.gait_strip(plan, columns=2, width=plotting.COLUMN_WIDTH)
+    hero = Picture(
+        _rendering(plotting.gait_strip(plan), folder, "hero"),
+        alt=f"The {tool} on the table and its fingertips, at the start and after each of {names}.",
+        caption="The tool at the start and at the end of every phase. Arrows are the forces on "
+        "the tool, cones the friction cones they must stay in.",
+        narrow=plotting.figure_bytes(narrow, "webp"),
+    )
+    yield "hero", hero
+    overview = Picture(
+        _drawing(plotting.overview(plan), folder, "overview"),
+        alt=f"Normal forces, friction margins and orientation over time through {names}.",
+        caption="Normal forces between their bounds, friction margins (a contact slips at 0), "
+        "and the motion of the tool.",
+    )
+    yield "overview", overview
+
+
+def _phase_pictures(plan: GaitPlan, phase: Phase, folder: Path) -> dict[str, Picture]:
+    name = phase.name
+    pictures = {
+        f"{name}_snapshots": Picture(
+            _rendering(plotting.tool_snapshots(plan, name), folder, f"{name}_snapshots"),
+            alt=f"The {plan.tool.name} at the start, the middle and the end of {name}: "
+            "whole above, its fingers close up below.",
+            caption="Contact forces at the start, the middle and the end of the phase.",
+            phase=name,
+        ),
+        f"{name}_angles": Picture(
+            _drawing(plotting.angle_to_normal(plan, name), folder, f"{name}_angles"),
+            alt=f"Angle of each contact force to its normal over {name}, and its limit.",
+            caption="Angles between contact forces and normals; the limit of each is its "
+            "friction angle, dashed.",
+            phase=name,
+        ),
+    }
+    if phase.finger in phase.contacts:
+        figure = plotting.force_in_cone(plan, name, phase.finger)
+        pictures[f"{name}_cone"] = Picture(
+            _drawing(figure, folder, f"{name}_cone"),
+            alt=f"Path of the contact force of the {phase.finger} in its friction cone in {name}.",
+            caption=f"The force of the {phase.finger}: its size against the cone, and its "
+            "direction seen along the normal.",
+            phase=name,
+        )
+    return pictures
+
+
+def _rendering(figure: Any, folder: Path, name: str) -> bytes:
+    """Save a picture of the tool; a bitmap of it for the page."""
+    plotting.save_figure(figure, folder, name)
+    return plotting.figure_bytes(figure, "webp")
+
+
+def _drawing(figure: Any, folder: Path, name: str) -> bytes:
+    """Save a line drawing; its vector picture for the page."""
+    plotting.save_figure(figure, folder, name)
+    return plotting.figure_bytes(figure, "svg")

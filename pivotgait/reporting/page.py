@@ -1,0 +1,146 @@
+"""The report as one page that needs nothing else: no network, no script, no second file."""
+
+from __future__ import annotations
+
+import base64
+import os
+import secrets
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from pivotgait.exceptions import InputError
+from pivotgait.plans.plan import GaitPlan
+from pivotgait.reporting.numbers import number, quantity
+from pivotgait.reporting.rows import check_rows, phase_rows, violation_rows
+from pivotgait.reporting.summary import Trials
+from pivotgait.reporting.verdict import verdict
+
+_MEDIA = MappingProxyType(
+    {b"\x89PNG": "image/png", b"<?xml": "image/svg+xml", b"RIFF": "image/webp"}
+)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture of the page.
+
+    Attributes:
+        image: bytes of an SVG, a PNG or a WebP.
+        alt: what it shows, for those who cannot see it.
+        caption: what to see in it.
+        phase: name of the phase it belongs to, empty for the whole gait.
+        narrow: the same for a phone, if ``image`` would be too small to read there.
+    """
+
+    image: bytes
+    alt: str
+    caption: str
+    phase: str = ""
+    narrow: bytes = b""
+
+
+def data_uri(image: bytes) -> str:
+    """An SVG, PNG or WebP image as a data URI.
+
+    Raises:
+        ValueError: if it is none of them.
+    """
+    for start, media in _MEDIA.items():
+        if image.startswith(start):
+            return f"data:{media};base64,{base64.b64encode(image).decode()}"
+    raise ValueError(f"an image is neither SVG, PNG nor WebP: it starts with {image[:8]!r}")
+
+
+def write_report(
+    folder: Path,
+    plan: GaitPlan,
+    certificate: Mapping[str, Any] | None,
+    figures: Mapping[str, Picture],
+    *,
+    plan_times: Mapping[str, float] = MappingProxyType({}),
+    validations: Sequence[Trials] = (),
+) -> Path:
+    """Write ``report.html`` into ``folder``, whole or not at all.
+
+    Args:
+        folder: made if missing.
+        plan: the gait.
+        certificate: as ``pivotgait certify --json`` gives it, None if the plan has none.
+        figures: by name; ``hero`` opens the page, those of a phase stand with it.
+        plan_times: phase's name -> time to plan it [s].
+        validations: closed-loop trials, one entry for each simulator and controller.
+
+    Returns:
+        Path of the page.
+
+    Raises:
+        InputError: if the folder cannot be written.
+    """
+    text = render_report(plan, certificate, figures, plan_times=plan_times, validations=validations)
+    path = folder / "report.html"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        _write_atomically(text.encode(), path)
+    except OSError as error:
+        raise InputError(
+            f"cannot be written: {error.strerror}", where=str(path), mend="check the folder"
+        ) from error
+    return path
+
+
+def render_report(
+    plan: GaitPlan,
+    certificate: Mapping[str, Any] | None,
+    figures: Mapping[str, Picture],
+    *,
+    plan_times: Mapping[str, float] = MappingProxyType({}),
+    validations: Sequence[Trials] = (),
+) -> str:
+    """The page's HTML; arguments as :func:`write_report`."""
+    environment = Environment(
+        loader=PackageLoader("pivotgait.reporting", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"number": number, "quantity": quantity, "data_uri": data_uri}
+    assert environment.loader is not None
+    # ours, not a user's: the only text of the page that is not escaped
+    style = Markup(environment.loader.get_source(environment, "report.css")[0])
+    found = certificate or {}
+    return environment.get_template("report.html.j2").render(
+        plan=plan,
+        style=style,
+        verdict=verdict(certificate),
+        phases=phase_rows(plan, plan_times),
+        checks=check_rows(found),
+        violations=violation_rows(found),
+        validations=validations,
+        hero=figures.get("hero"),
+        gait_figures=[f for name, f in figures.items() if not f.phase and name != "hero"],
+        phase_figures=[
+            (phase, pictures)
+            for phase in plan.phases
+            if (pictures := [f for f in figures.values() if f.phase == phase.name])
+        ],
+    )
+
+
+def _write_atomically(data: bytes, path: Path) -> None:
+    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    try:
+        with partial.open("xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(path)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise

@@ -1,0 +1,77 @@
+"""What a run left beside its plan: planning times and closed-loop trials."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, FiniteFloat, ValidationError
+
+from pivotgait.exceptions import InputError
+
+
+class PhaseSummary(BaseModel):
+    """A phase, as ``pivotgait plan --json`` lists it."""
+
+    name: str
+    plan_time_s: FiniteFloat | None = None
+
+
+class Stage(BaseModel):
+    """A stage of a trial: how many trials reached and passed it."""
+
+    name: str
+    reached: int
+    passed: int
+
+
+class Trials(BaseModel):
+    """Closed-loop trials, as ``pivotgait validate --json`` counts them."""
+
+    simulator: str
+    controller: str
+    trials: int
+    passed: int
+    rate: FiniteFloat | None = None
+    wilson_95: tuple[FiniteFloat, FiniteFloat] | None = None
+    stages: tuple[Stage, ...] = ()
+
+
+class Summary(BaseModel):
+    """``summary.json``: the output of ``pivotgait plan --json``, and of validations if there are.
+
+    Keys that the report does not show are welcome.
+    """
+
+    phases: tuple[PhaseSummary, ...] = ()
+    validations: tuple[Trials, ...] = ()
+
+    @property
+    def plan_times(self) -> Mapping[str, float]:
+        """Phase's name -> time to plan it [s]."""
+        times = {phase.name: phase.plan_time_s for phase in self.phases}
+        return {name: time for name, time in times.items() if time is not None}
+
+
+def read_summary(path: Path) -> Summary:
+    """The summary in ``path``; an empty one if there is no such file.
+
+    Raises:
+        InputError: if the file cannot be read or is no summary.
+    """
+    if not path.is_file():
+        return Summary()
+    mend = "write it anew with pivotgait plan --json, or remove it"
+    try:
+        return Summary.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=path.name, mend=mend) from error
+    except ValidationError as error:
+        raise InputError(f"is no summary: {_first(error)}", where=path.name, mend=mend) from error
+
+
+def _first(error: ValidationError) -> str:
+    found: Any = error.errors(include_url=False)[0]
+    place = ".".join(str(part) for part in found["loc"])
+    return f"{place}: {found['msg']}" if place else str(found["msg"])

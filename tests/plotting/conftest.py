@@ -1,0 +1,128 @@
+"""A made-up but plausible gait: a knife held by thumb and index, lifted, then re-grasped."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from pivotgait.contacts import grasp_map
+from pivotgait.plans.plan import ContactTrack, GaitPlan, Phase, PlannedTool, ToolMotion
+
+GRAVITY = np.array([0.0, 0.0, -9.81])
+PIVOT_IN_TOOL = np.array([0.22, 0.0, 0.014])
+PIVOT_IN_WORLD = np.array([0.6, 0.1, 0.001])
+CONTACTS = {
+    "thumb": ((-0.045, 0.010, -0.001), (0.0, -1.0, 0.0)),
+    "index": ((-0.043, -0.010, -0.001), (0.0, 1.0, 0.0)),
+    "middle": ((-0.060, -0.010, -0.001), (0.0, 1.0, 0.0)),
+}
+URDF = (Path(__file__).parents[2] / "urdf/chef_knife/chef_knife.urdf").read_text()
+
+
+def _motion(pitch, rate, acceleration, roll=None):
+    roll = np.zeros_like(pitch) if roll is None else roll
+    turn = Rotation.from_euler("ZYX", np.column_stack((0.4 + 0 * pitch, pitch, roll)))
+    axis = turn.apply([0.0, 1.0, 0.0])
+    omega, alpha = axis * rate[:, None], axis * acceleration[:, None]
+    lever = turn.apply(PIVOT_IN_TOOL)
+    velocity = -np.cross(omega, lever)
+    gain = -np.cross(alpha, lever) - np.cross(omega, np.cross(omega, lever))
+    return ToolMotion(PIVOT_IN_WORLD - lever, turn.as_quat(), velocity, omega, gain, alpha)
+
+
+def _tracks(motion, squeeze):
+    """Contacts that balance gravity; ``squeeze`` maps a finger to its (N,) push [N]."""
+    names = ["pivot", *squeeze]
+    count = len(motion.position)
+    forces = {name: np.zeros((count, 3)) for name in names}
+    for k in range(count):
+        turn = motion.rotation[k]
+        lever = np.array(
+            [turn.apply(PIVOT_IN_TOOL), *(turn.apply(CONTACTS[n][0]) for n in squeeze)]
+        )
+        push = [np.array([0.0, 0.0, 0.6])]
+        push += [squeeze[n][k] * turn.apply(CONTACTS[n][1]) for n in squeeze]
+        wanted = np.concatenate(push)
+        weight = np.repeat([0.1, *(squeeze[n][k] / 6.0 + 1e-9 for n in squeeze)], 3)
+        weight[:2] = 1e-2
+        load = np.concatenate((0.225 * (motion.linear_acceleration[k] - GRAVITY), np.zeros(3)))
+        g = grasp_map(lever)
+        scaled = g * weight
+        fix = weight * (g.T @ np.linalg.lstsq(scaled @ g.T, load - g @ wanted, rcond=1e-10)[0])
+        for name, force in zip(names, (wanted + fix).reshape(-1, 3), strict=True):
+            forces[name][k] = force
+    tracks = {
+        "pivot": ContactTrack(
+            "pivot", PIVOT_IN_WORLD, np.array([0.0, 0.0, 1.0]), forces["pivot"], 0.6, 0.05, 20.0
+        )
+    }
+    for name in squeeze:
+        point, normal = CONTACTS[name]
+        tracks[name] = ContactTrack(
+            name, np.array(point), np.array(normal), forces[name], 0.8, 0.0, 15.0
+        )
+    return tracks
+
+
+def knife_plan(certificate=None, scene="tool: knife\nseed: 1\n"):
+    samples = 33
+    s = np.linspace(0.0, 1.0, samples)
+    smooth, slope = 10 * s**3 - 15 * s**4 + 6 * s**5, 30 * s**2 - 60 * s**3 + 30 * s**4
+    bend = 60 * s - 180 * s**2 + 120 * s**3
+    low, high, end = np.radians([4.0, 24.0, 27.0])
+    rest = np.zeros(samples)
+
+    def moving(start, stop, duration, roll=None):
+        swing = stop - start
+        return _motion(
+            start + swing * smooth, swing * slope / duration, swing * bend / duration**2, roll
+        )
+
+    six = np.full(samples, 6.0)
+    lift = moving(low, high, 0.8)
+    still = moving(high, high, 1.0)
+    last = moving(high, end, 1.0, roll=np.radians(6.0) * smooth)
+    phases = (
+        Phase("00_lift", "lift", "", 0.8 * s, lift, _tracks(lift, {"thumb": six, "index": six})),
+        Phase(
+            "01_relocation",
+            "relocation",
+            "middle",
+            0.5 * s,
+            still,
+            _tracks(still, {"thumb": six, "index": six}),
+        ),
+        Phase(
+            "02_addition",
+            "addition",
+            "middle",
+            0.4 * s,
+            still,
+            _tracks(still, {"thumb": six + 4 * s, "index": six + rest, "middle": 4 * s}),
+        ),
+        Phase(
+            "03_removal",
+            "removal",
+            "index",
+            1.0 * s,
+            last,
+            _tracks(last, {"thumb": 10 - 3 * s, "index": 6 * (1 - s), "middle": 4 + 3 * s}),
+        ),
+    )
+    tool = PlannedTool(
+        "knife",
+        0.225,
+        np.diag([1.85e-5, 1.212e-3, 1.198e-3]),
+        PIVOT_IN_TOOL,
+        URDF,
+        np.array([-0.22, 0.0, -0.014]),
+    )
+    return GaitPlan(scene, 1, {"pivotgait": "0.1.0"}, GRAVITY, 0.0, tool, phases, certificate)
+
+
+@pytest.fixture(scope="session")
+def plan():
+    return knife_plan()

@@ -1,0 +1,44 @@
+"""The gait that ``tests/plotting`` draws, and pictures that cost nothing."""
+
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+import pytest
+
+from pivotgait.reporting import Picture
+
+_KNIFE = Path(__file__).parents[1] / "plotting" / "conftest.py"
+
+
+@pytest.fixture(scope="session")
+def knife_plan():
+    spec = spec_from_file_location("knife_plan", _KNIFE)
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.knife_plan
+
+
+@pytest.fixture(scope="session")
+def plan(knife_plan):
+    return knife_plan()
+
+
+@pytest.fixture
+def certificate():
+    return {
+        "valid": True,
+        "residuals": {"force_balance_n": 3.2e-9, "cone_margin_n": 0.012},
+        "tolerances": {"force_balance_n": 1e-6, "cone_margin_n": -1e-8},
+        "worst": {"force_balance_n": {"phase": "03_removal", "contact": "", "time_s": 0.5}},
+        "violations": [],
+    }
+
+
+@pytest.fixture
+def figures():
+    svg = b'<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg"/>'
+    return {
+        "hero": Picture(b"\x89PNG hero", alt="the knife", caption="Look.", narrow=b"RIFF narrow"),
+        "overview": Picture(svg, alt="curves", caption="Over time."),
+        "lift": Picture(svg, alt="the lift", caption="Up.", phase="00_lift"),
+    }
