@@ -52,9 +52,7 @@ class UnknownNameError(InputError):
         near = get_close_matches(name, self.known, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         listed = ", ".join(self.known) or "none"
-        super().__init__(
-            f"unknown {kind} {name!r}", where=where, mend=f"{hint}known: {listed}"
-        )
+        super().__init__(f"unknown {kind} {name!r}", where=where, mend=f"{hint}known: {listed}")
 
 
 class InfeasibleError(PivotGaitError):

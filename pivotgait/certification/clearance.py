@@ -9,8 +9,8 @@ import numpy as np
 
 from pivotgait.certification.certificate import Finding, smallest
 from pivotgait.certification.solid import RigidTool, Solid
+from pivotgait.frozen import Array
 from pivotgait.plans import GaitPlan, Phase
-from pivotgait.plans.plan import Array
 
 
 def check_clearance(plan: GaitPlan, phase: Phase, rigid: RigidTool) -> Iterator[Finding]:

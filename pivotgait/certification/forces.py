@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from pivotgait.certification.certificate import Finding, largest, smallest
+from pivotgait.frozen import Array
 from pivotgait.plans import ContactTrack, GaitPlan, Phase
-from pivotgait.plans.plan import Array
 
 
 def check_dynamics(plan: GaitPlan, phase: Phase) -> Iterator[Finding]:

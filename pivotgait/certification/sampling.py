@@ -27,8 +27,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from pivotgait.certification.certificate import Finding, largest
+from pivotgait.frozen import Array
 from pivotgait.plans import Phase
-from pivotgait.plans.plan import Array
 
 _ROUNDING = 1.0 + 1e-6
 

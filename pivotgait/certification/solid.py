@@ -12,9 +12,9 @@ import pinocchio as pin
 
 from pivotgait.certification.certificate import Finding
 from pivotgait.exceptions import PlanFileError
+from pivotgait.frozen import Array
 from pivotgait.models.urdf import UrdfSummary, check_urdf
 from pivotgait.plans import PlannedTool
-from pivotgait.plans.plan import Array
 
 _TIP_AT_PIVOT = 1e-6
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from pivotgait.certification.certificate import Finding
 from pivotgait.certification.solid import RigidTool, Solid
+from pivotgait.frozen import Array
 from pivotgait.plans import ContactTrack, Phase
-from pivotgait.plans.plan import Array
 
 # The probe hovers this far outside the contact. Distances between separated convex shapes are exact
 # to rounding, penetrations are not; and at an edge every normal of the edge's own cone passes.

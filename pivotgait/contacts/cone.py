@@ -58,7 +58,9 @@ def inner_pyramid(friction: float, facets: int = 8) -> Array:
         ValueError: for fewer than three facets or friction that is not positive.
     """
     if facets < 3 or not friction > 0.0:
-        raise ValueError(f"inner_pyramid needs facets >= 3 and friction > 0, got {facets}, {friction}")
+        raise ValueError(
+            f"inner_pyramid needs facets >= 3 and friction > 0, got {facets}, {friction}"
+        )
     angle = (2.0 * np.arange(facets) + 1.0) * np.pi / facets
     height = np.full(facets, -friction * np.cos(np.pi / facets))
     return np.stack((np.cos(angle), np.sin(angle), height), axis=-1)

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from pivotgait.contacts.grasp_map import skew
 from pivotgait.dynamics.pivot import PivotingTool
-from pivotgait.plans.plan import ToolMotion
+from pivotgait.plans import ToolMotion
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from pivotgait.plans.plan import ToolMotion, frozen
+from pivotgait.frozen import frozen
+from pivotgait.plans import ToolMotion
 
 Array = NDArray[np.float64]
 

@@ -33,7 +33,9 @@ def best_margin(cones: ConeBatch, z: Array) -> tuple[Array, int]:
             np.concatenate((lifted.matrix, column), axis=2), lifted.offset, lifted.head
         )
         # From the interior point of phase 1: what its own ratio misses, the shift makes up.
-        cone = lifted.split(lifted.offset + (lifted.matrix[..., :-1] @ start[open_][..., None])[..., 0])[0]
+        cone = lifted.split(
+            lifted.offset + (lifted.matrix[..., :-1] @ start[open_][..., None])[..., 0]
+        )[0]
         need = (-algebra.margin(cone) / at).max(axis=1)
         lift = np.column_stack((start[open_], np.maximum(need, 0.0) + 0.1))
         end = minimise(lifted, Goal(linear=np.append(np.zeros(d), 1.0)), lift)

@@ -85,7 +85,7 @@ class ConicProgram:
     @property
     def loaded(self) -> Mask:
         """(T, m) contacts that carry a force and have unknown coordinates."""
-        return ~self.form.known.all(axis=-1)
+        return np.asarray(~self.form.known.all(axis=-1))
 
     def given_fits(self) -> bool:
         """Whether prescribed end forces satisfy the rows of their own samples."""
@@ -144,9 +144,7 @@ class ConicProgram:
             column = self.column(k, i, 2)
             side = -sign * bound[k, i]
             row = np.arange(len(k))
-            self.blocks.append(
-                Block("nonnegative", 1, row, column, np.full(len(k), sign), side)
-            )
+            self.blocks.append(Block("nonnegative", 1, row, column, np.full(len(k), sign), side))
         equal = form.lower == form.upper
         for limit, sign, kind in (
             (np.where(equal, form.lower, np.inf), 1.0, "zero"),
@@ -184,15 +182,17 @@ class ConicProgram:
         constant = np.zeros((t - 1, m, 4))
         constant[..., 0] = p.force_rate_max * p.step_s
         parts = [
-            np.concatenate((np.broadcast_to(a, shape).reshape(-1), np.broadcast_to(b, shape).reshape(-1)))
-            for a, b in (
+            np.concatenate([np.broadcast_to(part, shape).reshape(-1) for part in pair])
+            for pair in (
                 (row, row),
                 (place[1:], place[:-1]),
                 (self.form.frames[1:], -self.form.frames[:-1]),
             )
         ]
         self.blocks.append(
-            Block("cone", 4, parts[0].astype(int), parts[1].astype(int), parts[2], constant.reshape(-1))
+            Block(
+                "cone", 4, *(p.astype(np.intp) for p in parts[:2]), parts[2], constant.reshape(-1)
+            )
         )
 
     def add_tangential(self) -> Index:
@@ -202,9 +202,7 @@ class ConicProgram:
         cone = np.arange(len(k)) * 4
         normal = self.column(k, i, 2)
         row = np.concatenate((cone, cone, cone + 1, cone + 1, cone + 2, cone + 3))
-        column = np.concatenate(
-            (normal, u, normal, u, self.column(k, i, 0), self.column(k, i, 1))
-        )
+        column = np.concatenate((normal, u, normal, u, self.column(k, i, 0), self.column(k, i, 1)))
         one = np.ones(len(k))
         entry = np.concatenate((one, one, one, -one, 2.0 * one, 2.0 * one))
         self.blocks.append(Block("cone", 4, row, column, entry, np.zeros(4 * len(k))))

@@ -35,10 +35,10 @@ def solve(problem: AllocationProblem) -> tuple[Array, Mask, int]:
         feasible = np.concatenate([part[1] for part in parts])
         return force, feasible, max(part[2] for part in parts)
     solver = {"alignment": _alignment, "margin": _margin}.get(problem.objective, _convex)
-    force, programs = solver(problem)
+    found, programs = solver(problem)
     shape = (problem.samples, problem.contacts, 3)
-    feasible = np.full(problem.samples, force is not None)
-    return np.full(shape, np.nan) if force is None else force, feasible, programs
+    feasible = np.full(problem.samples, found is not None)
+    return np.full(shape, np.nan) if found is None else found, feasible, programs
 
 
 def constraints(problem: AllocationProblem, f: list[Any], friction: Array, shift: Any = 0.0) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +48,8 @@ class Mend:
         value = np.array(getattr(problem, limit))
         scaled = self.change.endswith("_scale")
         value[..., mine] = value[..., mine] * self.to if scaled else self.to
-        return replace(problem, **{limit: value})
+        changes: dict[str, Any] = {limit: value}
+        return replace(problem, **changes)
 
     def text(self) -> str:
         """One phrase, e.g. ``friction of thumb from 0.8 to 0.913``."""
@@ -121,9 +122,8 @@ def diagnose(problem: AllocationProblem, sample: int) -> Diagnosis:
     weight = np.concatenate((cone[0, :, 2], scalar[0]))
     label, index = group.labels[int(np.argmax(weight))]
     contact = str(index) if label == "rows" else problem.names[index]
-    return Diagnosis(
-        sample, label, contact, shift * float(group.scale[0]), _mends(single)
-    )
+    violation = shift * float(group.scale[0])
+    return Diagnosis(sample, cast(Kind, label), contact, violation, _mends(single))
 
 
 def _mends(problem: AllocationProblem) -> tuple[Mend, ...]:
@@ -172,7 +172,7 @@ def _feasible(problem: AllocationProblem, form: LocalForm, mends: list[Mend]) ->
 
     count = len(mends)
 
-    def repeated(value: Array) -> Array:
+    def repeated(value: NDArray[Any]) -> NDArray[Any]:
         return np.repeat(value, count, axis=0)
 
     friction = repeated(problem.friction[None])

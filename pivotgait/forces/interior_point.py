@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pivotgait.exceptions import InputError, SolverError
-from pivotgait.forces.cone_batch import ConeBatch
-from pivotgait.forces.local_form import LocalForm, local_form
-from pivotgait.forces.null_space import Inconsistent, Reduced, reduce
 from pivotgait.forces.best_alignment import best_alignment
 from pivotgait.forces.best_margin import best_margin
+from pivotgait.forces.cone_batch import ConeBatch
 from pivotgait.forces.goal import Goal
+from pivotgait.forces.local_form import LocalForm, local_form
+from pivotgait.forces.null_space import Inconsistent, Reduced, reduce
 from pivotgait.forces.phase_one import FEASIBLE, phase_one
 from pivotgait.forces.primal_dual import minimise
 from pivotgait.forces.problem import AllocationProblem
@@ -23,7 +23,6 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 ACCEPTED = 1e-6
 """A gap that stalls above this share of the objective is an error, not an answer."""
-
 
 
 def solve(problem: AllocationProblem) -> tuple[Array, Mask, int]:

@@ -60,7 +60,7 @@ def advance(
             algebra.shrink(dual_cone, ddual_cone, det_dual),
         ).max(axis=1, initial=0.0)
         fall = np.maximum(-ds_line / line, -ddual_line / dual_line).max(axis=1, initial=0.0)
-        return 1.0 / np.maximum(np.maximum(shrink, fall), 1e-10)
+        return np.asarray(1.0 / np.maximum(np.maximum(shrink, fall), 1e-10))
 
     def weigh(ds: Array) -> Array:
         out = np.empty_like(ds)
@@ -69,7 +69,8 @@ def advance(
         return out
 
     newton = _newton_matrix(cones, goal, s, square, square_line)
-    steps = np.linalg.solve(newton, np.stack((-slope, cones.transposed(inverse)), axis=2))
+    sides = np.stack((-slope, cones.transposed(inverse)), axis=2)
+    steps: Array = np.asarray(np.linalg.solve(newton, sides), dtype=float)
 
     # Mehrotra: how far the pure Newton (affine) step goes decides how much to centre ...
     ds = cones.image(steps[..., 0])
@@ -160,6 +161,6 @@ def _positive_definite(matrix: Array) -> Mask:
     for _ in range(rest.shape[1]):
         positive &= rest[:, 0, 0] > 0.0
         pivot = np.where(positive, rest[:, 0, 0], 1.0)
-        column = rest[:, 1:, 0]
+        column = np.where(positive[:, None], rest[:, 1:, 0], 0.0)
         rest = rest[:, 1:, 1:] - column[:, :, None] * (column / pivot[:, None])[:, None]
     return positive

@@ -155,7 +155,7 @@ class AllocationProblem:
     @property
     def loaded(self) -> NDArray[np.bool_]:
         """(T, m) whether the contact may carry a force: its normal force is not fixed at 0."""
-        return ~(self.fixed == 0.0)
+        return np.asarray(self.fixed != 0.0)
 
     def _check_shapes(self) -> None:
         if self.wrench.ndim != 2 or self.wrench.shape[0] == 0:

@@ -14,9 +14,9 @@ from pivotgait.contacts import inner_pyramid
 from pivotgait.exceptions import InputError, SolverError
 from pivotgait.forces import objectives
 from pivotgait.forces.cone_batch import ConeBatch
-from pivotgait.forces.phase_one import phase_one
 from pivotgait.forces.local_form import local_form
 from pivotgait.forces.null_space import Inconsistent, Reduced, reduce
+from pivotgait.forces.phase_one import phase_one
 from pivotgait.forces.problem import AllocationProblem
 
 Array = NDArray[np.float64]
@@ -98,9 +98,7 @@ def _solve_one(group: Reduced, b: int, objective: str) -> tuple[Array | None, in
     for programs in range(1, ROUNDS + 1):
         force = cones.contact_force(cones.slack(z[None]))[0]
         slope = np.einsum("ia,iad->d", objectives.gradient(objective, force), local)
-        curvature = np.einsum(
-            "iad,iab,ibe->de", local, objectives.hessian(objective, force), local
-        )
+        curvature = np.einsum("iad,iab,ibe->de", local, objectives.hessian(objective, force), local)
         aim = _program(curvature + REGULARISATION * np.eye(z.size), slope, matrix, limit, z)
         promise = -float(slope @ (aim - z))
         if objective == "effort" and programs > 1:

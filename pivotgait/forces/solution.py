@@ -80,7 +80,7 @@ class Allocation:
             rows = (p.rows.matrix @ flat)[..., 0]
             beyond = np.maximum(p.rows.lower - rows, rows - p.rows.upper)
             worst = np.maximum(worst, beyond.max(axis=1))
-        return np.maximum(worst, 0.0)
+        return np.asarray(np.maximum(worst, 0.0))
 
     def ramp_residual(self) -> Array:
         """(T,) largest |f_n - prescribed| [N] over the ramps (eqs 7, 8); 0 without ramps."""

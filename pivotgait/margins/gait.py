@@ -9,7 +9,8 @@ from types import MappingProxyType
 import numpy as np
 
 from pivotgait.contacts.cone import friction_margin, split_force
-from pivotgait.plans.plan import PIVOT, Array, ContactTrack, GaitPlan, Phase, frozen
+from pivotgait.frozen import Array, frozen
+from pivotgait.plans.plan import PIVOT, ContactTrack, GaitPlan, Phase
 
 LEAST_FORCE_N = 1e-3
 """A normal force below this has no meaningful direction, hence no friction margin."""

@@ -8,8 +8,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from pivotgait.frozen import Array
 from pivotgait.margins.gait import ContactMargins, PhaseMargins, gait_margins
-from pivotgait.plans.plan import PIVOT, Array, GaitPlan
+from pivotgait.plans.plan import PIVOT, GaitPlan
 
 MarginKind = Literal["friction", "lift_off", "normal_min", "normal_max"]
 MARGIN_KINDS: tuple[MarginKind, ...] = ("friction", "lift_off", "normal_min", "normal_max")

@@ -7,7 +7,7 @@ from typing import Any
 import coal
 import numpy as np
 
-from pivotgait.models.frozen import Array
+from pivotgait.frozen import Array
 from pivotgait.models.shape import Shape
 
 

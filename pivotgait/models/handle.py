@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pivotgait.exceptions import SceneError
+from pivotgait.frozen import Array, FrozenArrays
 from pivotgait.models.coal_shapes import ball_distance
-from pivotgait.models.frozen import Array, FrozenArrays
 from pivotgait.models.raycast import inside_span, outward_normal
 from pivotgait.models.shape import Shape
 

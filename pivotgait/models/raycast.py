@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pivotgait.models.frozen import Array
+from pivotgait.frozen import Array
 from pivotgait.models.shape import Shape
 
 Span = tuple[float, float]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from pivotgait.models.frozen import Array, FrozenArrays
+from pivotgait.frozen import Array, FrozenArrays
 from pivotgait.models.rest import attitude
 from pivotgait.models.scene_config import (
     AdditionPhase,

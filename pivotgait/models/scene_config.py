@@ -95,6 +95,8 @@ class AllocationConfig(Config):
 
     objective: Literal["alignment", "tangential", "effort", "margin"] = "alignment"
     force_rate_max_N_s: Positive = 20.0
+    friction_reserve: Annotated[FiniteFloat, Field(ge=0, lt=1)] = 0.0
+    """Share of every friction coefficient that the plan leaves unused, against errors."""
 
 
 class LiftTarget(Config):

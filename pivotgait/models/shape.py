@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from pivotgait.models.frozen import Array, FrozenArrays
+from pivotgait.frozen import Array, FrozenArrays
 
 ShapeKind = Literal["box", "sphere", "capsule", "cylinder", "mesh"]
 PRIMITIVES: tuple[ShapeKind, ...] = ("box", "sphere", "capsule", "cylinder")

@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 
-from pivotgait.models.frozen import Array
+from pivotgait.frozen import Array
 from pivotgait.models.shape import Shape
 
 RIM_POINTS = 32

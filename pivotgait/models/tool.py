@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pivotgait.exceptions import UnknownNameError, UrdfError
-from pivotgait.models.frozen import Array, FrozenArrays, frozen
+from pivotgait.frozen import Array, FrozenArrays, frozen
 from pivotgait.models.handle import Handle, SurfacePoint, verify_place
 from pivotgait.models.shape import PRIMITIVES, Shape
 from pivotgait.models.support import support_balls

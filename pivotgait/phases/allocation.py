@@ -53,7 +53,7 @@ def allocation_problem(
         names=(PIVOT, *(finger.finger for finger in fingers)),
         lever=lever,
         normals=normals,
-        friction=np.array([scene.table.friction, *(finger.friction for finger in fingers)]),
+        friction=setting.usable_friction(fingers),
         normal_min=lower,
         normal_max=upper,
         wrench=required_wrench(setting.body, motion),
@@ -70,7 +70,7 @@ def allocate_smoothly(
     start: Array | None = None,
     end: Array | None = None,
 ) -> Allocation:
-    """Allocate along a trajectory so that forces join at its ends and change no faster than allowed.
+    """Allocate along a trajectory: forces join at its ends and keep their rate.
 
     Solves the samples one by one first: if that answer already keeps the rate and the ends, it
     is the optimum of the coupled problem too, which has only more constraints. Else the whole

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -41,6 +41,11 @@ class Setting:
             gravity=scene.gravity,
         )
         return cls(scene, body)
+
+    def usable_friction(self, fingers: Sequence[HandleContact]) -> Array:
+        """(1 + m,) coefficients of pivot and fingers that a plan may use: without the reserve."""
+        given = [self.scene.table.friction, *(finger.friction for finger in fingers)]
+        return (1.0 - self.scene.allocation.friction_reserve) * np.array(given)
 
     def pivot_track(self, force: Array) -> ContactTrack:
         """The table contact with its forces (N, 3) in the world frame [N]."""
@@ -100,6 +105,4 @@ class Grasp:
     ) -> Grasp:
         """The grasp in which a phase with this motion and these contacts leaves the tool."""
         held = {name: contacts[name].force[-1] for name in (PIVOT, *fingers)}
-        return cls(
-            motion.rotation[-1], MappingProxyType(dict(fingers)), MappingProxyType(held)
-        )
+        return cls(motion.rotation[-1], MappingProxyType(dict(fingers)), MappingProxyType(held))

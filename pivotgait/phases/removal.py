@@ -96,7 +96,7 @@ def plan_removal(
         "smallest_static_turn_deg": float(np.degrees(need.angle)),
         "static_without_turning": need.angle < 1e-4,
     }
-    time = problem.step_s * np.arange(problem.steps + 1)
+    time = np.linspace(0.0, options.duration_s, options.steps + 1)
     phase = Phase(name, "removal", finger, time, motion, contacts, record)
     fingers = {contact.finger: contact for contact in staying}
     return phase, Grasp.after(motion, fingers, contacts)
@@ -118,10 +118,12 @@ def removal_problem(
         orientation=grasp.rotation.as_quat(),
         points=np.stack([contact.point for contact in fingers]),
         frames=contact_frame(np.stack([contact.normal for contact in fingers])),
-        friction=np.array([scene.table.friction, *(c.friction for c in fingers)]),
+        friction=setting.usable_friction(fingers),
         normal_min=np.array([scene.table.normal_min, *(c.normal_min for c in staying), 0.0]),
         normal_max=np.array([scene.table.normal_max, *(c.normal_max for c in fingers)]),
-        start_force=np.stack([grasp.forces[each] for each in (PIVOT, *(c.finger for c in fingers))]),
+        start_force=np.stack(
+            [grasp.forces[each] for each in (PIVOT, *(c.finger for c in fingers))]
+        ),
         clear_lever=np.zeros((CLEAR_POINTS, 3)),
         clear_rise=np.full(CLEAR_POINTS, -1.0),
         force_rate_max=scene.allocation.force_rate_max_N_s,

@@ -70,9 +70,7 @@ def dynamics(problem: RemovalProblem, trajectory: Trajectory) -> Dynamics:
     arm = -(turn @ body.pivot_in_tool)
     cross_arm, cross_omega, cross_sigma = skew(arm), skew(omega), skew(sigma)
     inner = -body.pivot_in_tool
-    about_pivot = body.inertia + body.mass * (
-        inner @ inner * np.eye(3) - np.outer(inner, inner)
-    )
+    about_pivot = body.inertia + body.mass * (inner @ inner * np.eye(3) - np.outer(inner, inner))
     inertia = world_inertia(about_pivot, Rotation.from_matrix(turn))
     weight = body.mass * body.gravity
 
@@ -98,9 +96,8 @@ def dynamics(problem: RemovalProblem, trajectory: Trajectory) -> Dynamics:
         + skew(finger_moment)
     )
     moment_omega = cross_omega @ inertia - skew(spin)
-    table_a = (
-        -body.mass * (cross_sigma @ cross_arm + cross_omega @ cross_omega @ cross_arm)
-        + skew(finger_force)
+    table_a = -body.mass * (cross_sigma @ cross_arm + cross_omega @ cross_omega @ cross_arm) + skew(
+        finger_force
     )
     table_omega = -body.mass * (skew(np.cross(omega, arm)) + cross_omega @ cross_arm)
 

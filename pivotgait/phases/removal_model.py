@@ -119,9 +119,7 @@ class Attitude:
         return ca.vertcat(sinc * turn / 2, cosine)
 
 
-def removal_program(
-    steps: int, staying: int, clear_points: int, *, rated: bool
-) -> StageProgram:
+def removal_program(steps: int, staying: int, clear_points: int, *, rated: bool) -> StageProgram:
     """Build the program.
 
     Args:
@@ -133,8 +131,7 @@ def removal_program(
     import casadi as ca
 
     symbols = {
-        name: ca.SX.sym(name, *shape(staying, clear_points))
-        for name, shape in PARAMETERS.items()
+        name: ca.SX.sym(name, *shape(staying, clear_points)) for name, shape in PARAMETERS.items()
     }
     program = StageProgram(ca.vertcat(*[ca.vec(symbol) for symbol in symbols.values()]))
     states = [ca.SX.sym(f"x{k}", 7) for k in range(1, steps + 1)]
@@ -208,9 +205,7 @@ class _Stage:
             state[4:] + h * back @ rates,
         )
 
-    def constrain(
-        self, program: StageProgram, state: Any, rates: Any, contacts: list[Any]
-    ) -> None:
+    def constrain(self, program: StageProgram, state: Any, rates: Any, contacts: list[Any]) -> None:
         """Dynamics (3), cones (5), bounds (6) and clearance over the table."""
         ca, p = self.ca, self.p
         turn = Attitude.matrix(ca, state[:4])

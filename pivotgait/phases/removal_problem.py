@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from pivotgait.dynamics import PivotingTool, pivot_motion
+from pivotgait.frozen import frozen
 from pivotgait.plans import ToolMotion
-from pivotgait.plans.plan import frozen
 
 Array = NDArray[np.float64]
 
@@ -83,7 +83,7 @@ class RemovalProblem:
     def start_local(self) -> Array:
         """(n + 1, 3) forces of the fingers at k = 0 in their contact frames [N]."""
         turn = Rotation.from_quat(self.orientation).as_matrix()
-        return np.einsum("mil,mi->ml", turn @ self.frames, self.start_force[1:])
+        return np.asarray(np.einsum("mil,mi->ml", turn @ self.frames, self.start_force[1:]))
 
     @property
     def ramp(self) -> Array:

@@ -77,7 +77,8 @@ def solve_removal_by_socps(
     trajectory = _start(problem, guess)
     here, radius = _merit(problem, trajectory), 0.2
     optimality, rounds = np.inf, 0
-    for rounds in range(1, MAX_ROUNDS + 1):
+    while rounds < MAX_ROUNDS:
+        rounds += 1
         step = _Round(problem, trajectory, radius).solve()
         there = _merit(problem, step.trajectory)
         predicted, gained = here - step.model, here - there
@@ -123,7 +124,9 @@ def _violation(problem: RemovalProblem, trajectory: Trajectory, state: Dynamics)
         0.1 * (np.linalg.norm(table[:, :2], axis=1) - mu * table[:, 2]).clip(0.0),
         0.1 * (problem.normal_min[0] - table[:, 2]).clip(0.0),
         0.1 * (table[:, 2] - problem.normal_max[0]).clip(0.0),
-        (problem.clear_rise - trajectory.rotation[:, 2, :] @ problem.clear_lever.T).clip(0.0).ravel(),
+        (problem.clear_rise - trajectory.rotation[:, 2, :] @ problem.clear_lever.T)
+        .clip(0.0)
+        .ravel(),
     ]
     return float(sum(part.sum() for part in over))
 
@@ -203,8 +206,12 @@ class _Round:
         settings.verbose = False
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
         answer = clarabel.DefaultSolver(
-            sparse.triu(quadratic, format="csc"), linear, rows.matrix(),
-            np.concatenate(rows.side), cones, settings,
+            sparse.triu(quadratic, format="csc"),
+            linear,
+            rows.matrix(),
+            np.concatenate(rows.side),
+            cones,
+            settings,
         ).solve()
         x = np.array(answer.x)
         # an inexact answer near the end is only a proposal: the merit function judges it
@@ -328,7 +335,7 @@ class _Round:
         return rows.count - first
 
     def _cones(self, rows: Rows) -> int:
-        """Rows (mu f_n, f_x, f_y) in the second-order cone, stage by stage and contact by contact."""
+        """Rows (mu f_n, f_x, f_y) in the second-order cone, contact by contact."""
         problem, steps = self.problem, self.problem.steps
         friction = problem.friction * (1.0 - FRICTION_RESERVE)
         contacts = [self.table, *(self.push[:, i] for i in range(problem.staying + 1))]
@@ -350,5 +357,4 @@ class _Round:
         row = rows.open(side)[..., 1:]
         rows.put(row, push, -np.eye(3))
         rows.put(row[1:], push[:-1], np.eye(3))
-        return row.shape[0] * row.shape[1]
-
+        return int(row[..., 0].size)

@@ -114,7 +114,7 @@ class _TurnProgram:
             "g": ca.vertcat(*rows),
             "p": ca.vertcat(*[ca.vec(symbol) for symbol in p.values()]),
         }
-        options = {
+        options: dict[str, Any] = {
             "print_time": False,
             "error_on_fail": False,
             "ipopt.print_level": 0,

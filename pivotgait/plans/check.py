@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from pivotgait.exceptions import PlanFileError
+from pivotgait.frozen import Array
 from pivotgait.plans.layout import (
     MAX_CONTACTS,
     MAX_PHASES,
@@ -17,15 +18,7 @@ from pivotgait.plans.layout import (
     is_contact_name,
     phase_name,
 )
-from pivotgait.plans.plan import (
-    PHASE_KINDS,
-    PIVOT,
-    Array,
-    ContactTrack,
-    GaitPlan,
-    Phase,
-    PlannedTool,
-)
+from pivotgait.plans.plan import PHASE_KINDS, PIVOT, ContactTrack, GaitPlan, Phase, PlannedTool
 
 UNIT_TOLERANCE = 1e-3
 """A quaternion farther from unit length than this is not an orientation at all."""

@@ -9,8 +9,8 @@ import h5py
 import numpy as np
 
 from pivotgait.exceptions import PlanFileError
+from pivotgait.frozen import Array
 from pivotgait.plans.layout import MAX_FILE_BYTES, MAX_TEXT_BYTES
-from pivotgait.plans.plan import Array
 
 _MEND = "write the plan again with 'pivotgait plan'"
 

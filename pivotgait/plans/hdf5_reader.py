@@ -10,14 +10,7 @@ import h5py
 from pivotgait.exceptions import PlanFileError
 from pivotgait.plans.hdf5_nodes import Node
 from pivotgait.plans.layout import MAX_CONTACTS, MAX_PHASES, MAX_SAMPLES, MOTION, SCHEMA, place_of
-from pivotgait.plans.plan import (
-    ContactTrack,
-    GaitPlan,
-    Phase,
-    PhaseKind,
-    PlannedTool,
-    ToolMotion,
-)
+from pivotgait.plans.plan import ContactTrack, GaitPlan, Phase, PhaseKind, PlannedTool, ToolMotion
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 

@@ -10,8 +10,9 @@ import h5py
 import numpy as np
 
 from pivotgait.exceptions import PlanFileError
+from pivotgait.frozen import Array
 from pivotgait.plans.layout import MOTION, SCHEMA
-from pivotgait.plans.plan import Array, ContactTrack, GaitPlan, Phase
+from pivotgait.plans.plan import ContactTrack, GaitPlan, Phase
 
 # One fixed format version: the same bytes from every HDF5 release, checksummed metadata (damage
 # is found instead of followed), and attributes above 64 kB, which a URDF may need.

@@ -3,40 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
+from pivotgait.frozen import Array, FrozenArrays
+
 PhaseKind = Literal["lift", "removal", "relocation", "addition", "transfer"]
 PHASE_KINDS: tuple[str, ...] = ("lift", "removal", "relocation", "addition", "transfer")
 PIVOT = "pivot"
 """Name of the table contact in every phase."""
 
 
-def frozen(array: Any) -> Array:
-    """Return a read-only float64 copy of ``array``."""
-    copy = np.array(array, dtype=float)
-    copy.setflags(write=False)
-    return copy
-
-
-class _FrozenArrays:
-    """Makes every array field of a frozen dataclass a read-only float64 copy."""
-
-    def __post_init__(self) -> None:
-        for entry in fields(cast(Any, self)):
-            value = getattr(self, entry.name)
-            if isinstance(value, np.ndarray):
-                object.__setattr__(self, entry.name, frozen(value))
-
-
 @dataclass(frozen=True, eq=False)
-class ToolMotion(_FrozenArrays):
+class ToolMotion(FrozenArrays):
     """Motion of the tool at N samples, all in the world frame.
 
     Attributes:
@@ -62,7 +45,7 @@ class ToolMotion(_FrozenArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class ContactTrack(_FrozenArrays):
+class ContactTrack(FrozenArrays):
     """One contact over a phase.
 
     Attributes:
@@ -104,7 +87,7 @@ class ContactTrack(_FrozenArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class Phase(_FrozenArrays):
+class Phase(FrozenArrays):
     """One phase of a plan: N = K + 1 samples.
 
     Attributes:
@@ -142,7 +125,7 @@ class Phase(_FrozenArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class PlannedTool(_FrozenArrays):
+class PlannedTool(FrozenArrays):
     """What a plan must know of its tool.
 
     Attributes:
@@ -163,7 +146,7 @@ class PlannedTool(_FrozenArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class GaitPlan(_FrozenArrays):
+class GaitPlan(FrozenArrays):
     """A whole gait: what ``plan.h5`` holds.
 
     Attributes:

@@ -14,6 +14,7 @@ from pivotgait.plotting.style import (
     COLUMN_WIDTH,
     LIMIT_COLOUR,
     contact_colours,
+    contact_strokes,
     new_figure,
     styled,
 )
@@ -35,7 +36,7 @@ def angle_to_normal(plan: GaitPlan, phase: str) -> Any:
         UnknownNameError: if ``plan`` has no such phase.
     """
     shown = find_phase(plan, phase)
-    colours = contact_colours(plan)
+    colours, strokes = contact_colours(plan), contact_strokes(plan)
     figure = new_figure(COLUMN_WIDTH, 2.4)
     axes = figure.subplots()
     time = shown.time - shown.time[0]
@@ -44,7 +45,7 @@ def angle_to_normal(plan: GaitPlan, phase: str) -> Any:
     for name, track in shown.contacts.items():
         normal, tangential = split_force(track.force, track.world_normal(shown.tool))
         angle = np.where(normal > LEAST_FORCE_N, np.degrees(np.arctan2(tangential, normal)), np.nan)
-        axes.plot(time, angle, color=colours[name])
+        axes.plot(time, angle, **strokes[name])
         limits.setdefault(float(np.degrees(np.arctan(track.friction))), []).append(name)
         defined = angle[np.isfinite(angle)]
         labels += [EndLabel(name, float(defined[-1]), colours[name])] if defined.size else []

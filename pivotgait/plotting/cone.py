@@ -110,14 +110,18 @@ def _draw_path(axes: Any, x: Array, y: Array, colour: str, *, reach: float) -> N
     axes.plot(x, y, color=colour, zorder=3)
     axes.plot(x[0], y[0], "o", color="white", mec=colour, ms=5, zorder=4, clip_on=False)
     axes.plot(x[-1], y[-1], "o", color=colour, ms=5, zorder=4, clip_on=False)
-    together = np.hypot(x[-1] - x[0], y[-1] - y[0]) < 0.1 * reach
-    ends = [("start, end", -1)] if together else [("start", 0), ("end", -1)]
-    for word, place in ends:
+    apart = float(np.hypot(x[-1] - x[0], y[-1] - y[0])) / reach
+    # ends that are close have their names above and below, else the names would cover each other
+    up, down = (8, -8) if apart < 0.25 else (4, 4)
+    start, end = (up, down) if y[0] >= y[-1] else (down, up)
+    names = [("start, end", -1, 4)] if apart < 0.1 else [("start", 0, start), ("end", -1, end)]
+    for word, place, rise in names:
         axes.annotate(
             word,
             (x[place], y[place]),
-            xytext=(6, 3),
+            xytext=(6, rise),
             textcoords="offset points",
+            va="center",
             fontsize=7,
             color=colour,
             annotation_clip=False,

@@ -16,6 +16,7 @@ from pivotgait.plotting.style import (
     PAGE_WIDTH,
     contact_colours,
     contact_names,
+    contact_strokes,
     new_figure,
     styled,
 )
@@ -52,11 +53,11 @@ def draw_pivot_force(axes: Any, plan: GaitPlan, *, named: bool = False) -> None:
 
 def _draw(axes: Any, plan: GaitPlan, names: list[str], *, named: bool) -> None:
     shade_phases(axes, plan, named=named)
-    colours = contact_colours(plan)
+    colours, strokes = contact_colours(plan), contact_strokes(plan)
     labels, largest = [], 0.0
     for name in names:
         for span, normal in _normal_forces(plan, name):
-            axes.plot(span.time, normal, color=colours[name], label=name)
+            axes.plot(span.time, normal, label=name, **strokes[name])
             largest = max(largest, float(normal.max()))
             last = EndLabel(name, float(normal[-1]), colours[name])
         labels += [last] if any(name in phase.contacts for phase in plan.phases) else []

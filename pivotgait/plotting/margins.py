@@ -13,6 +13,7 @@ from pivotgait.plotting.style import (
     LIMIT_COLOUR,
     PAGE_WIDTH,
     contact_colours,
+    contact_strokes,
     new_figure,
     styled,
 )
@@ -35,13 +36,13 @@ def margins(plan: GaitPlan) -> Any:
 def draw_margins(axes: Any, plan: GaitPlan, *, named: bool = True) -> None:
     """Friction margins of all contacts on ``axes``."""
     shade_phases(axes, plan, named=named)
-    colours = contact_colours(plan)
+    colours, strokes = contact_colours(plan), contact_strokes(plan)
     ends: dict[str, EndLabel] = {}
     starts = {}
     for span, phase in zip(spans(plan), gait_margins(plan), strict=True):
         starts[phase.phase] = span.start
         for name, contact in phase.contacts.items():
-            axes.plot(span.time, contact.friction, color=colours[name])
+            axes.plot(span.time, contact.friction, **strokes[name])
             known = contact.friction[np.isfinite(contact.friction)]
             if known.size:
                 ends[name] = EndLabel(name, float(known[-1]), colours[name])
@@ -59,7 +60,9 @@ def _mark(axes: Any, least: Margin, time: float, colour: str) -> None:
     early = time < 0.6 * last
     axes.plot(time, least.value, "o", ms=4, color=colour, clip_on=False)
     axes.annotate(
-        f"least: {least.value:.3f}, {least.contact}, {time:.2f} s".replace("-", "−"),
+        f"least: {round(least.value, 3) + 0.0:.3f}, {least.contact}, {time:.2f} s".replace(
+            "-", "−"
+        ),
         (time, least.value),
         xytext=(6 if early else -6, 7),
         textcoords="offset points",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from pivotgait.plans.plan import ContactTrack
@@ -15,6 +16,7 @@ Array = NDArray[np.float64]
 Naming = Literal["names", "forces"]
 """Whether contacts are named only or their forces told too."""
 _LINE_INCH = 0.115
+_HALO = withStroke(linewidth=2.0, foreground="#FFFFFFD0")  # names may lie on a dark grip
 
 
 class _Name(NamedTuple):
@@ -50,6 +52,7 @@ def name_contacts(axes: Any, look: Look, moment: Moment, naming: Naming) -> None
                 linespacing=0.95,
                 color=name.colour,
                 zorder=6,
+                path_effects=[_HALO],
             )
 
 

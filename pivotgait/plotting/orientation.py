@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from pivotgait.plans.plan import GaitPlan
 from pivotgait.plotting.labels import EndLabel, label_right
@@ -19,8 +20,10 @@ _INK = "#333333"
 def orientation(plan: GaitPlan) -> Any:
     """How far the tool has turned since the gait began, and how fast it turns.
 
-    Angles are those of ``R = Rz(yaw) Ry(pitch) Rx(roll)``, the turn from the first orientation in
-    the axes the tool frame had then. A figure of page width.
+    Angles are those of ``R = Rz(yaw) Ry(pitch) Rx(roll)``, the turn from the first orientation,
+    on axes that look along the table from the tool to its tip, to the left and up. However the
+    tool lay, pitch says how far its handle has risen, roll how far it has turned about its
+    length. A figure of page width.
     """
     figure = new_figure(PAGE_WIDTH, 3.0)
     angles, speed = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
@@ -33,10 +36,13 @@ def orientation(plan: GaitPlan) -> Any:
 def draw_angles(axes: Any, plan: GaitPlan, *, named: bool = True) -> None:
     """Yaw, pitch and roll since the start [deg] on ``axes``."""
     shade_phases(axes, plan, named=named)
-    start = plan.phases[0].tool.rotation[0].inv()
+    start = plan.phases[0].tool.rotation[0]
+    ahead = start.as_matrix() @ plan.tool.pivot_in_tool
+    heading = Rotation.from_euler("z", np.arctan2(ahead[1], ahead[0]))
     labels = []
     for span in spans(plan):
-        turned = (start * span.phase.tool.rotation).as_euler("ZYX", degrees=True)
+        turn = heading.inv() * span.phase.tool.rotation * start.inv() * heading
+        turned = turn.as_euler("ZYX", degrees=True)
         for (_, dashes), angle in zip(_ANGLES, turned.T, strict=True):
             axes.plot(span.time, angle, color=_INK, ls=dashes)
         labels = [

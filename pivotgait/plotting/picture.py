@@ -25,7 +25,8 @@ LONGEST_ARROW = 0.060
 """Length of the largest force's arrow [m]."""
 _CONE_HEIGHT = 0.030
 _SHAFT = 0.0022
-_ROOM = np.array([0.2, 0.08])
+_LEAST_HEIGHT = 0.75
+_ROOM = np.array([0.28, 0.08])
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +125,14 @@ def frame(look: Look, moments: Sequence[Moment], *, close: bool) -> Array:
     flat = look.camera.project(np.array(points))[:, :2]
     low, high = flat.min(axis=0), flat.max(axis=0)
     pad = _ROOM * (high - low) + 0.01  # for the names beside the arrows
-    return np.stack((low - pad, high + pad))
+    return _not_flatter(low - pad, high + pad)
+
+
+def _not_flatter(low: Array, high: Array) -> Array:
+    """Corners (2, 2) of a box, made higher if it is flatter than a picture should be."""
+    least = _LEAST_HEIGHT * (high[0] - low[0])
+    grow = np.array([0.0, max(0.0, least - (high[1] - low[1])) / 2])
+    return np.stack((low - grow, high + grow))
 
 
 def _aligned(faces: Array, direction: Array, origin: Array) -> Array:

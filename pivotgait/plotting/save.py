@@ -49,10 +49,10 @@ def figure_bytes(figure: Any, form: str, *, dpi: float | None = None) -> bytes:
         "pdf": {"metadata": {"CreationDate": None, "ModDate": None}},
         "png": {"metadata": {"Software": None}},
         "svg": {"metadata": {"Date": None}},
-        "webp": {"pil_kwargs": {"quality": 88, "method": 6}},
+        "webp": {"pil_kwargs": {"quality": 85, "method": 6}},
     }
     target = BytesIO()
     figure.savefig(
-        target, format=form, dpi=dpi or (170 if form in ("svg", "webp") else 300), **options[form]
+        target, format=form, dpi=dpi or (150 if form in ("svg", "webp") else 300), **options[form]
     )
     return target.getvalue()

@@ -96,3 +96,19 @@ def contact_colours(plan: GaitPlan) -> dict[str, str]:
     strangers = sorted(name for name in names if name not in colours)
     colours |= {name: spare[i % len(spare)] for i, name in enumerate(strangers)}
     return colours
+
+
+def contact_strokes(plan: GaitPlan) -> dict[str, dict[str, Any]]:
+    """How each contact's curve is drawn: its colour, and thinner the later it is named.
+
+    Thin curves lie on thick ones, so that two that coincide are both seen.
+    """
+    colours, names = contact_colours(plan), contact_names(plan)
+    return {
+        name: {
+            "color": colours[name],
+            "lw": max(2.0 - 0.4 * place, 0.8),
+            "zorder": 2.0 + 0.01 * place,
+        }
+        for place, name in enumerate(names)
+    }

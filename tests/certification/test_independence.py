@@ -8,7 +8,7 @@ from pathlib import Path
 import pivotgait.certification
 
 FOLDER = Path(pivotgait.certification.__file__).parent
-OURS = {"certification", "exceptions", "models", "plans", "kinematics"}
+OURS = {"certification", "exceptions", "frozen", "models", "plans", "kinematics"}
 THEIRS = {"__future__", "collections", "dataclasses", "math", "pathlib", "types", "typing"}
 THEIRS |= {"numpy", "scipy", "coal", "pinocchio"}
 

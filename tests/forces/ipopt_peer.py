@@ -17,8 +17,8 @@ class IpoptAlignment:
         f = ca.SX.sym("f", 3, m)
         normal, lever = ca.SX.sym("n", 3, m), ca.SX.sym("r", 3, m)
         wrench, mu = ca.SX.sym("w", 6), ca.SX.sym("mu", m)
-        cost, rows = 0, [sum((f[:, i] for i in range(m)), ca.SX.zeros(3)) - wrench[:3]]
-        rows.append(sum((ca.cross(lever[:, i], f[:, i]) for i in range(m)), ca.SX.zeros(3)) - wrench[3:])
+        moments = [ca.cross(lever[:, i], f[:, i]) for i in range(m)]
+        cost, rows = 0, [ca.sum2(f) - wrench[:3], ca.sum2(ca.horzcat(*moments)) - wrench[3:]]
         for i in range(m):
             along = ca.dot(f[:, i], normal[:, i])
             square = ca.dot(f[:, i], f[:, i])
@@ -43,9 +43,8 @@ class IpoptAlignment:
     def solve(self, problem: Any, k: int, start: np.ndarray) -> tuple[np.ndarray, float, bool]:
         """Forces (m, 3), sum of sin^2 and success, from a start (m, 3)."""
         m = problem.contacts
-        p = np.concatenate(
-            (problem.normals[k].ravel(), problem.lever[k].ravel(), problem.wrench[k], problem.friction)
-        )
+        places = (problem.normals[k].ravel(), problem.lever[k].ravel())
+        p = np.concatenate((*places, problem.wrench[k], problem.friction))
         low, high = np.zeros(6 + 2 * m), np.zeros(6 + 2 * m)
         low[7::2], high[7::2] = problem.normal_min[k], problem.normal_max[k]
         high[6::2] = np.inf

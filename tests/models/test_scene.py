@@ -183,7 +183,16 @@ def test_the_schema_describes_the_built_in_scenes(scene: Scene) -> None:
 
 def test_every_number_with_a_unit_says_so() -> None:
     # A length, angle, force or time carries its unit in the key or in the table of exceptions.
-    plain = {"friction", "min", "max", "steps", "reorientation", "acceleration", "alignment"}
+    plain = {
+        "friction",
+        "friction_reserve",
+        "min",
+        "max",
+        "steps",
+        "reorientation",
+        "acceleration",
+        "alignment",
+    }
     units = ("_m", "_deg", "_s", "_N", "_m_s2", "_N_s")
 
     def walk(model: type[BaseModel]) -> None:

@@ -2,11 +2,13 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
+from scipy.spatial.transform import Rotation
 
 from pivotgait import plotting
 from pivotgait.exceptions import UnknownNameError
@@ -97,6 +99,37 @@ def test_turn_since_start_begins_at_zero_and_pitch_is_the_lift(plan):
     _, pitch, _ = (line.get_ydata() for line in angles.get_lines()[:3])
     assert pitch[0] == pytest.approx(0.0, abs=1e-12)
     assert pitch[-1] == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize("turned", [[90.0, "x"], [-70.0, "x"], [40.0, "z"]])
+def test_pitch_is_the_lift_however_the_tool_lies(turned, plan):
+    """The same motion of a tool whose frame is laid out otherwise reads the same."""
+    angle, axis = turned
+    change = Rotation.from_euler(axis, angle, degrees=True)
+    phases = tuple(
+        replace(
+            phase,
+            tool=replace(phase.tool, orientation=(phase.tool.rotation * change).as_quat()),
+        )
+        for phase in plan.phases
+    )
+    tool = replace(plan.tool, pivot_in_tool=change.inv().as_matrix() @ plan.tool.pivot_in_tool)
+    other = replace(plan, phases=phases, tool=tool)
+    for ours, theirs in zip(
+        plotting.orientation(plan).axes[0].get_lines(),
+        plotting.orientation(other).axes[0].get_lines(),
+        strict=True,
+    ):
+        np.testing.assert_allclose(ours.get_ydata(), theirs.get_ydata(), atol=1e-9)
+
+
+def test_curves_that_coincide_are_both_seen(plan):
+    lines = plotting.margins(plan).axes[0].get_lines()
+    curves = {to_hex(line.get_color()): line for line in lines if line.get_marker() == "None"}
+    over = [curves[to_hex(colour)] for colour in plotting.contact_colours(plan).values()]
+    over.sort(key=lambda line: line.get_zorder())
+    widths = [line.get_linewidth() for line in over]
+    assert np.all(np.diff(widths) < 0.0)
 
 
 def test_force_limits_are_drawn_at_the_friction_angle(plan):

@@ -10,7 +10,7 @@ from typing import cast
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from pivotgait.models.frozen import Array
+from pivotgait.frozen import Array
 from pivotgait.models.shape import Shape, ShapeKind
 from pivotgait.models.urdf.meshes import resolve_mesh
 from pivotgait.models.urdf.nodes import Node

@@ -9,7 +9,7 @@ from typing import NoReturn
 import numpy as np
 
 from pivotgait.exceptions import UrdfError
-from pivotgait.models.frozen import Array
+from pivotgait.frozen import Array
 from pivotgait.models.urdf.nodes import Node
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)

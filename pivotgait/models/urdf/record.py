@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from pivotgait.models.frozen import Array, FrozenArrays
+from pivotgait.frozen import Array, FrozenArrays
 from pivotgait.models.shape import Shape
 
 JointKind = Literal["revolute", "prismatic", "fixed"]

@@ -1,0 +1,5 @@
+"""``python -m pivotgait``."""
+
+from pivotgait.cli import main
+
+main()

@@ -1,0 +1,186 @@
+"""The command line: names, options and help of the commands."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pivotgait.exceptions import PivotGaitError
+
+app = typer.Typer(
+    name="pivotgait",
+    help="Dynamic finger gaits on a pivoting hand tool: plan, certify and explain.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+)
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of the random generator.")]
+Gait = Annotated[str | None, typer.Option(help="Which of the scene's gaits; else the first.")]
+SceneArgument = Annotated[str, typer.Argument(help="A built-in scene's name or a YAML file.")]
+
+
+@app.command()
+def plan(
+    scene: SceneArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Plan file to write.")] = Path(
+        "plan.h5"
+    ),
+    seed: Seed = 0,
+    gait: Gait = None,
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Plan every phase of a gait, certify it and write the plan file.
+
+    Example: `pivotgait plan knife -o knife.h5`
+    """
+    from pivotgait.commands.output import Output
+    from pivotgait.commands.planning import run_plan
+
+    return run_plan(scene, output, seed, gait, Output(json))
+
+
+@app.command()
+def certify(
+    plan: Annotated[Path, typer.Argument(help="Plan file.")],
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Recompute a plan's certificate from the file alone.
+
+    Example: `pivotgait certify knife.h5`
+    """
+    from pivotgait.commands.output import Output
+    from pivotgait.commands.planning import run_certify
+
+    return run_certify(plan, Output(json))
+
+
+@app.command()
+def run(
+    scene: SceneArgument,
+    out: Annotated[Path, typer.Option("--out", help="Folder for plan, figures and report.")],
+    seed: Seed = 0,
+    gait: Gait = None,
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Plan, certify and report: the whole job in one command.
+
+    Example: `pivotgait run knife --out reports/out/knife`
+    """
+    from pivotgait.commands.output import Output
+    from pivotgait.commands.planning import run_all
+
+    return run_all(scene, out, seed, gait, Output(json))
+
+
+@app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(help="Folder with a plan.h5.")],
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Draw the figures of a folder's plan and write its report.html.
+
+    Example: `pivotgait report reports/out/knife`
+    """
+    from pivotgait.commands.output import Output
+    from pivotgait.commands.planning import run_report
+
+    return run_report(folder, Output(json))
+
+
+@app.command()
+def scenes(
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the scenes' JSON schema.")
+    ] = False,
+    export: Annotated[str | None, typer.Option(help="Print a built-in scene's YAML.")] = None,
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """List the built-in scenes, or print one to start from.
+
+    Example: `pivotgait scenes --export knife > my_knife.yaml`
+    """
+    from pivotgait.commands.inspection import run_scenes
+    from pivotgait.commands.output import Output
+
+    return run_scenes(schema, export, Output(json))
+
+
+@app.command()
+def check(
+    file: Annotated[Path, typer.Argument(help="A URDF, a scene (YAML) or a plan (HDF5).")],
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Check a URDF, a scene or a plan file before anything is computed with it.
+
+    Example: `pivotgait check my_tool.urdf`
+    """
+    from pivotgait.commands.inspection import run_check
+    from pivotgait.commands.output import Output
+
+    return run_check(file, Output(json))
+
+
+@app.command()
+def doctor(json: Json = False, debug: Debug = False) -> int:
+    """Check the environment: versions and one small job for each native library."""
+    from pivotgait.commands.doctor import run_doctor
+    from pivotgait.commands.output import Output
+
+    return run_doctor(Output(json))
+
+
+@app.command()
+def bench(
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer repetitions.")] = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Time the solvers against their peers, as ratios measured in one run.
+
+    Example: `pivotgait bench --quick`
+    """
+    from pivotgait.commands.output import Output
+    from pivotgait.commands.timing import run_bench
+
+    return run_bench(quick, Output(json))
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Entry point: 0 success, 1 infeasible or a failed check, 2 bad input, in one line each."""
+    given = sys.argv[1:] if arguments is None else arguments
+    try:
+        code = app(args=given, standalone_mode=False)
+    except (PivotGaitError, typer.TyperException) as error:
+        if "--debug" in given:
+            raise
+        code = _complain(error)
+    except (KeyboardInterrupt, typer.Abort):
+        sys.stderr.write("pivotgait: stopped\n")
+        code = 130
+    except BrokenPipeError:
+        # whoever read our output has gone; nothing more can be written
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 0
+    sys.exit(code or 0)
+
+
+def _complain(error: PivotGaitError | typer.TyperException) -> int:
+    text = error.format_message() if isinstance(error, typer.TyperException) else str(error)
+    if text:  # empty where the help was printed instead
+        hint = " (see pivotgait --help)" if isinstance(error, typer.TyperException) else ""
+        sys.stderr.write(f"pivotgait: error: {' '.join(text.split())}{hint}\n")
+    return error.exit_code

@@ -1,0 +1,70 @@
+"""Where commands write: one JSON object or tables on stdout, progress and logs on stderr."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+
+class Output:
+    """A command's voice.
+
+    Args:
+        json_output: print one JSON object on stdout and nothing else there.
+    """
+
+    def __init__(self, json_output: bool) -> None:
+        self.json = json_output
+        self.out = Console(soft_wrap=True, highlight=False)
+        self.log = Console(stderr=True, highlight=False)
+
+    def emit(self, data: dict[str, Any]) -> None:
+        """Print the command's result as JSON, if that was asked for."""
+        if self.json:
+            json.dump(data, sys.stdout, indent=2, allow_nan=False)
+            sys.stdout.write("\n")
+
+    def say(self, text: str) -> None:
+        """Print a line for people (not with ``--json``)."""
+        if not self.json:
+            self.out.print(text)
+
+    def table(
+        self, title: str, columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]
+    ) -> None:
+        """Print a table for people; columns are (heading, ``left`` or ``right``)."""
+        if self.json:
+            return
+        table = Table(title=escape(title), title_justify="left", header_style="bold")
+        for heading, side in columns:
+            table.add_column(escape(heading), justify="right" if side == "right" else "left")
+        for row in rows:
+            table.add_row(*row)
+        self.out.print(table)
+
+    @contextmanager
+    def progress(self, text: str, total: int) -> Iterator[Progress]:
+        """A progress bar on stderr with one task, advanced by ``advance(task_id)``."""
+        columns = (
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=24),
+            TextColumn("{task.completed}/{task.total}"),
+            TimeElapsedColumn(),
+        )
+        with Progress(*columns, console=self.log, transient=True) as bar:
+            bar.add_task(text, total=total)
+            yield bar
+
+
+def verdict(good: bool, yes: str, no: str) -> str:
+    """A coloured word."""
+    return f"[bold green]{yes}[/]" if good else f"[bold red]{no}[/]"

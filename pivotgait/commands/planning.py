@@ -1,0 +1,213 @@
+"""``plan``, ``certify`` and ``run``: from a scene to a certified plan and its report."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from pivotgait.certification import Certificate, certify
+from pivotgait.commands.output import Output, verdict
+from pivotgait.exceptions import InputError
+from pivotgait.gaits import PhaseDone, plan_gait
+from pivotgait.margins import phase_margins, smallest_of_phase
+from pivotgait.models import load_scene
+from pivotgait.plans import GaitPlan, read_plan, write_plan
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """A plan on disk, its certificate, and what ``plan --json`` prints of them."""
+
+    plan: GaitPlan
+    certificate: Certificate
+    summary: dict[str, Any]
+
+
+def run_plan(scene: str, path: Path, seed: int, gait: str | None, out: Output) -> int:
+    """Plan, certify and write; returns the exit code."""
+    planned = make_plan(scene, path, seed, gait, out)
+    show_phases(planned, out)
+    out.emit(planned.summary)
+    return 0 if planned.certificate.valid else 1
+
+
+def make_plan(scene_name: str, path: Path, seed: int, gait: str | None, out: Output) -> Planned:
+    """Plan a scene's gait, certify it and write the plan file.
+
+    A plan that misses a tolerance is written too, with a certificate that says so.
+
+    Raises:
+        PivotGaitError: bad input, an infeasible phase, a failed solver.
+    """
+    writable(path)
+    scene = load_scene(scene_name)
+    phases: list[dict[str, Any]] = []
+    count = len(scene.gaits.get(gait, ()) if gait else next(iter(scene.gaits.values())))
+    with out.progress(f"planning {scene.name}", count) as bar:
+
+        def done(news: PhaseDone) -> None:
+            phases.append(phase_summary(news))
+            bar.advance(bar.task_ids[0])
+
+        plan = plan_gait(scene, gait=gait, seed=seed, progress=done)
+    certificate = certify(plan)
+    plan = replace(plan, certificate=certificate.as_json())
+    write_plan(plan, path)
+    summary = {
+        "plan": str(path),
+        "scene": scene.name,
+        "seed": seed,
+        "valid": certificate.valid,
+        "phases": phases,
+        "certificate": certificate.as_json(),
+    }
+    return Planned(plan, certificate, summary)
+
+
+def phase_summary(news: PhaseDone) -> dict[str, Any]:
+    """One phase in the words of ``plan --json``."""
+    phase = news.phase
+    margin = smallest_of_phase(phase_margins(phase), ("friction",))
+    return {
+        "name": phase.name,
+        "kind": phase.kind,
+        "finger": phase.finger,
+        "duration_s": phase.duration_s,
+        "plan_time_s": news.plan_time_s,
+        "min_friction_margin": None if margin is None else margin.value,
+        "reorientation_deg": phase.reorientation_deg,
+        **phase.record,
+    }
+
+
+def show_phases(planned: Planned, out: Output) -> None:
+    """Print the table of phases and the verdict."""
+    rows = []
+    for phase in planned.summary["phases"]:
+        margin = phase["min_friction_margin"]
+        rows.append(
+            (
+                phase["name"],
+                phase["finger"] or "-",
+                f"{phase['duration_s']:.2f} s",
+                f"{1e3 * phase['plan_time_s']:.0f} ms",
+                "-" if margin is None else f"{margin:.3f}",
+                f"{phase['reorientation_deg']:.2f} deg",
+                phase["solver"],
+            )
+        )
+    columns = [
+        ("phase", "left"),
+        ("finger", "left"),
+        ("duration", "right"),
+        ("planned in", "right"),
+        ("least friction margin", "right"),
+        ("reorientation", "right"),
+        ("solver", "left"),
+    ]
+    out.table(f"{planned.summary['scene']}: {planned.summary['plan']}", columns, rows)
+    show_certificate(planned.certificate, out)
+
+
+def show_certificate(certificate: Certificate, out: Output) -> None:
+    """Print the verdict, and the residuals that miss their limits or come first to mind."""
+    valid = certificate.valid
+    out.say(f"certificate: {verdict(valid, 'valid', 'NOT valid')}")
+    if valid:
+        residuals = certificate.residuals
+        out.say(
+            f"  force balance {residuals['force_balance_n']:.1e} N, "
+            f"moment balance {residuals['moment_balance_nm']:.1e} N m, "
+            f"cone margin {residuals['cone_margin_n']:.1e} N, "
+            f"ramps {residuals.get('ramp_n', 0.0):.1e} N, "
+            f"seams {residuals.get('seam_force_n', 0.0):.1e} N"
+        )
+    columns = [("phase", "left"), ("what", "left"), ("value", "right"), ("limit", "right")]
+    rows = [
+        (each.phase, f"{each.what} {each.contact}", f"{each.value:.3e}", f"{each.limit:.1e}")
+        for each in certificate.violations
+    ]
+    if rows:
+        out.table("violations", columns, rows)
+
+
+def run_certify(path: Path, out: Output) -> int:
+    """Recompute a plan's certificate from the file alone; returns the exit code."""
+    certificate = certify(read_plan(path))
+    show_certificate(certificate, out)
+    if not out.json:
+        columns = [("residual", "left"), ("value", "right"), ("limit", "right"), ("where", "left")]
+        rows = []
+        for what, found in certificate.findings.items():
+            limit = certificate.limits[what].bound
+            rows.append((what, f"{found.value:.3e}", f"{limit:.1e}", found.phase))
+        out.table(path.name, columns, rows)
+    out.emit(certificate.as_json())
+    return 0 if certificate.valid else 1
+
+
+def run_all(scene: str, folder: Path, seed: int, gait: str | None, out: Output) -> int:
+    """Plan, certify and report into a folder; returns the exit code."""
+    from pivotgait.reporting import report_from_folder
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"cannot be made: {error.strerror}", where=str(folder), mend="give another --out"
+        ) from error
+    planned = make_plan(scene, folder / "plan.h5", seed, gait, out)
+    write_json(folder / "summary.json", planned.summary)
+    with out.progress("drawing the report", 1) as bar:
+        page = report_from_folder(folder)
+        bar.advance(bar.task_ids[0])
+    show_phases(planned, out)
+    out.say(f"report: {page}")
+    out.emit({**planned.summary, "report": str(page)})
+    return 0 if planned.certificate.valid else 1
+
+
+def run_report(folder: Path, out: Output) -> int:
+    """Write the report of a folder that holds a plan."""
+    from pivotgait.reporting import report_from_folder
+
+    if not folder.is_dir():
+        raise InputError("is not a folder", where=str(folder), mend="give the --out of a run")
+    with out.progress("drawing the report", 1) as bar:
+        page = report_from_folder(folder)
+        bar.advance(bar.task_ids[0])
+    out.say(f"report: {page}")
+    out.emit({"report": str(page)})
+    return 0
+
+
+def writable(path: Path) -> None:
+    """Refuse a path that cannot become a file before work is spent on it.
+
+    Raises:
+        InputError: its folder is missing or not writable, or it is a folder.
+    """
+    if path.is_dir():
+        raise InputError("is a folder", where=str(path), mend="give the path of a file")
+    if not path.parent.is_dir():
+        raise InputError(f"folder {path.parent} does not exist", where=str(path), mend="make it")
+    if not os.access(path.parent, os.W_OK):
+        raise InputError(
+            f"folder {path.parent} is not writable", where=str(path), mend="use another"
+        )
+
+
+def write_json(path: Path, data: Mapping[str, Any]) -> None:
+    """Write JSON whole or not at all."""
+    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    try:
+        partial.write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        partial.replace(path)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
