@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import traceback
 from pathlib import Path
 from typing import Annotated
 
@@ -136,7 +137,10 @@ def check(
 
 @app.command()
 def doctor(json: Json = False, debug: Debug = False) -> int:
-    """Check the environment: versions and one small job for each native library."""
+    """Check the environment: versions and one small job for each native library.
+
+    Example: `pivotgait doctor`
+    """
     from pivotgait.commands.doctor import run_doctor
     from pivotgait.commands.output import Output
 
@@ -166,7 +170,7 @@ def main(arguments: list[str] | None = None) -> None:
         code = app(args=given, standalone_mode=False)
     except (PivotGaitError, typer.TyperException) as error:
         if "--debug" in given:
-            raise
+            traceback.print_exc()
         code = _complain(error)
     except (KeyboardInterrupt, typer.Abort):
         sys.stderr.write("pivotgait: stopped\n")

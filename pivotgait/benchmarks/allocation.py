@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
+from typing import Any, Protocol, cast
+
 import numpy as np
 from numpy.typing import NDArray
 
-from pivotgait.forces import AllocationProblem
-from pivotgait.forces.problem import Objective
+from pivotgait.contacts import contact_frame, grasp_map
+from pivotgait.forces import AllocationProblem, Objective, allocate
 
 Array = NDArray[np.float64]
 NAMES = ("pivot", "thumb", "index", "middle", "ring")
+BATCHES = 4
 KNIFE_MASS = 0.225  # [kg]
 TIP_TO_COM = 0.22  # [m]
 HANDLE_HALF_WIDTH, HANDLE_HALF_HEIGHT = 0.010, 0.0145  # [m] stadium cross-section
@@ -98,3 +103,173 @@ def _rotation_x(angle: Array) -> Array:
     out[:, 1, 1] = out[:, 2, 2] = np.cos(angle)
     out[:, 1, 2], out[:, 2, 1], out[:, 0, 0] = -np.sin(angle), np.sin(angle), 1.0
     return out
+
+
+def allocation_rows(quick: bool = False) -> list[dict[str, Any]]:
+    """Time allocations against their peers, in one run and one thread of each.
+
+    Peers are built (parametrised, compiled) once and warm; their building is reported apart.
+
+    Args:
+        quick: fewer problems for the peers.
+
+    Returns:
+        One dict per row: ``name``, ``ours_s``, ``peer``, ``peer_s`` (seconds per problem),
+        ``ratio`` = peer_s / ours_s, ``peer_build_s``, and ``worst_gap``, the largest relative
+        excess of our objective over the peer's.
+    """
+    samples, count = 1000, 40 if quick else 400
+    peers: dict[str, Callable[[AllocationProblem], Peer]] = {
+        "tangential": CvxpyPeer,
+        "effort": CvxpyPeer,
+        "alignment": IpoptPeer,
+    }
+    rows = []
+    for objective, make in peers.items():
+        rng = np.random.default_rng(7)
+        problem = random_problem(rng, samples, 4, cast(Objective, objective))
+        begin = time.perf_counter()
+        peer = make(problem)
+        peer.solve(problem, 0)  # compiles what is compiled late
+        build = time.perf_counter() - begin
+        ours = allocate(problem, "interior_point")
+        batch = _mean_s(problem, BATCHES) / samples
+        begin = time.perf_counter()
+        values = np.array([peer.solve(problem, k) for k in range(count)])
+        peer_s = (time.perf_counter() - begin) / count
+        excess = float(np.nanmax((ours.objective[:count] - values) / values))
+        rows.append(_row(f"{objective}, batch of {samples}", batch, peer, peer_s, build, excess))
+        if objective == "effort":
+            continue
+        singles = [problem.sample(k) for k in range(count)]
+        alone = np.array([allocate(single).objective[0] for single in singles])
+        begin = time.perf_counter()
+        for single in singles:
+            allocate(single)
+        ours_s = (time.perf_counter() - begin) / count
+        excess = float(np.nanmax((alone - values) / values))
+        rows.append(_row(f"{objective}, one", ours_s, peer, peer_s, build, excess))
+    return rows
+
+
+def _row(
+    name: str, ours_s: float, peer: Peer, peer_s: float, build: float, excess: float
+) -> dict[str, Any]:
+    return {
+        "name": f"allocation: {name}",
+        "ours_s": ours_s,
+        "peer": peer.name,
+        "peer_s": peer_s,
+        "ratio": peer_s / ours_s,
+        "peer_build_s": build,
+        "worst_gap": excess,
+    }
+
+
+def _mean_s(problem: AllocationProblem, times: int) -> float:
+    """Mean seconds of a few batches, as the peers' problems are averaged too."""
+    begin = time.perf_counter()
+    for _ in range(times):
+        allocate(problem, "interior_point")
+    return (time.perf_counter() - begin) / times
+
+
+class Peer(Protocol):
+    """A solver of one problem at a time, prepared for one shape."""
+
+    name: str
+
+    def solve(self, problem: AllocationProblem, k: int) -> float:
+        """Objective of sample k, NaN where infeasible."""
+        ...
+
+
+class CvxpyPeer:
+    """Tangential or effort as a parametrised CVXPY problem on Clarabel.
+
+    In contact coordinates, where the parameters enter affinely (DPP), so that CVXPY compiles
+    once and only fills in numbers afterwards.
+    """
+
+    name = "CVXPY + Clarabel, parametrised"
+
+    def __init__(self, problem: AllocationProblem) -> None:
+        import cvxpy as cp
+
+        m = problem.contacts
+        self.x = cp.Variable((m, 3))
+        self.grasp = cp.Parameter((6, 3 * m))
+        self.wrench = cp.Parameter(6)
+        rows = [self.grasp @ cp.vec(self.x, order="C") == self.wrench]
+        rows += [
+            cp.norm(self.x[i, :2]) <= float(problem.friction[i]) * self.x[i, 2] for i in range(m)
+        ]
+        rows += [self.x[:, 2] >= problem.normal_min[0], self.x[:, 2] <= problem.normal_max[0]]
+        if problem.objective == "effort":
+            goal = cp.sum_squares(self.x)
+        else:
+            goal = sum(cp.quad_over_lin(self.x[i, :2], self.x[i, 2]) for i in range(m))
+        self.program = cp.Problem(cp.Minimize(goal), rows)
+
+    def solve(self, problem: AllocationProblem, k: int) -> float:
+        """Objective of sample k, NaN where infeasible."""
+        import cvxpy as cp
+
+        turn = contact_frame(problem.normals[k])
+        grasp = grasp_map(problem.lever[k]).reshape(6, -1, 1, 3) @ turn
+        self.grasp.value, self.wrench.value = grasp.reshape(6, -1), problem.wrench[k]
+        self.program.solve(solver=cp.CLARABEL)
+        return float(self.program.value) if self.program.status == "optimal" else np.nan
+
+
+class IpoptPeer:
+    """The exact alignment (Xue et al., eq. 4) by CasADi and IPOPT, compiled once.
+
+    Contact coordinates; each solve starts from normal forces that share the load, which is
+    inside the bounds and aligned.
+    """
+
+    name = "CasADi + IPOPT, compiled"
+
+    def __init__(self, problem: AllocationProblem) -> None:
+        import casadi
+
+        m = problem.contacts
+        x, grasp = casadi.SX.sym("x", 3, m), casadi.SX.sym("G", 6, 3 * m)
+        wrench = casadi.SX.sym("w", 6)
+        goal = casadi.SX(0)
+        rows = [grasp @ casadi.vec(x) - wrench]
+        for i in range(m):
+            square = x[0, i] ** 2 + x[1, i] ** 2
+            goal += square / (square + x[2, i] ** 2)
+            rows.append((float(problem.friction[i]) * x[2, i]) ** 2 - square)
+        self.solver = casadi.nlpsol(
+            "alignment",
+            "ipopt",
+            {
+                "x": casadi.vec(x),
+                "f": goal,
+                "g": casadi.vertcat(*rows),
+                "p": casadi.vertcat(casadi.vec(grasp), wrench),
+            },
+            {"ipopt.print_level": 0, "print_time": 0, "ipopt.sb": "yes", "ipopt.tol": 1e-8},
+        )
+        self.low, self.high = np.full((m, 3), -np.inf), np.full((m, 3), np.inf)
+        self.low[:, 2], self.high[:, 2] = problem.normal_min[0], problem.normal_max[0]
+        self.start = np.zeros((m, 3))
+        self.start[:, 2] = 0.5 * (problem.normal_min[0] + np.minimum(problem.normal_max[0], 4.0))
+        self.top = np.concatenate((np.zeros(6), np.full(m, np.inf)))
+
+    def solve(self, problem: AllocationProblem, k: int) -> float:
+        """Objective of sample k, NaN where infeasible."""
+        turn = contact_frame(problem.normals[k])
+        grasp = (grasp_map(problem.lever[k]).reshape(6, -1, 1, 3) @ turn).reshape(6, -1)
+        answer = self.solver(
+            x0=self.start.ravel(),
+            p=np.concatenate((grasp.ravel(order="F"), problem.wrench[k])),
+            lbx=self.low.ravel(),
+            ubx=self.high.ravel(),
+            lbg=0.0,
+            ubg=self.top,
+        )
+        return float(answer["f"]) if self.solver.stats()["success"] else np.nan

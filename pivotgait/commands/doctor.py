@@ -8,6 +8,7 @@ from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
+from rich.markup import escape
 
 from pivotgait import __version__
 from pivotgait.commands.output import Output, verdict
@@ -41,7 +42,7 @@ def run_doctor(out: Output) -> int:
         [(name, found or "[red]missing[/]") for name, found in packages.items()],
     )
     rows = [
-        (name, result if result == "ok" else f"[red]{result}[/]") for name, result in probes.items()
+        (name, result if result == "ok" else f"[red]{escape(result)}[/]") for name, result in probes.items()
     ]
     out.table("checks", [("what", "left"), ("result", "left")], rows)
     out.say(f"environment: {verdict(healthy, 'healthy', 'NOT healthy: reinstall what is red')}")

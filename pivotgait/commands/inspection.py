@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.markup import escape
 
 from pivotgait.commands.output import Output, verdict
 from pivotgait.exceptions import InputError
@@ -37,7 +38,7 @@ def run_scenes(schema: bool, export: str | None, out: Output) -> int:
         entry = {"name": name, "description": scene.description, "gaits": gaits}
         data.append({**entry, "tool": scene.tool.name, "mass_kg": scene.tool.mass})
         kinds = "; ".join(f"{gait}: {' > '.join(steps)}" for gait, steps in gaits.items())
-        rows.append((name, f"{scene.tool.mass:.3f} kg", kinds, scene.description))
+        rows.append((name, f"{scene.tool.mass:.3f} kg", escape(kinds), escape(scene.description)))
     columns = [("scene", "left"), ("tool", "right"), ("gaits", "left"), ("description", "left")]
     out.table("built-in scenes", columns, rows)
     out.say("print one to start from: pivotgait scenes --export knife")
@@ -62,9 +63,9 @@ def run_check(path: Path, out: Output) -> int:
             mend=f"give a file ending in {', '.join(checks)}",
         )
     found = checks[path.suffix](path)
-    out.say(f"{path.name}: {verdict(True, 'sound', '')}")
+    out.say(f"{escape(path.name)}: {verdict(True, 'sound', '')}")
     for name, value in found.items():
-        out.say(f"  {name}: {value}")
+        out.say(f"  {name}: {escape(str(value))}")
     out.emit({"file": str(path), "sound": True, **found})
     return 0
 

@@ -33,14 +33,17 @@ class Output:
             sys.stdout.write("\n")
 
     def say(self, text: str) -> None:
-        """Print a line for people (not with ``--json``)."""
+        """Print a line for people (not with ``--json``); escape what is not markup in it."""
         if not self.json:
             self.out.print(text)
 
     def table(
         self, title: str, columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]
     ) -> None:
-        """Print a table for people; columns are (heading, ``left`` or ``right``)."""
+        """Print a table for people; columns are (heading, ``left`` or ``right``).
+
+        Cells may hold markup: escape what comes from files.
+        """
         if self.json:
             return
         table = Table(title=escape(title), title_justify="left", header_style="bold")
@@ -60,7 +63,8 @@ class Output:
             TextColumn("{task.completed}/{task.total}"),
             TimeElapsedColumn(),
         )
-        with Progress(*columns, console=self.log, transient=True) as bar:
+        silent = not self.log.is_terminal  # a log file gets no bar, not even its empty line
+        with Progress(*columns, console=self.log, transient=True, disable=silent) as bar:
             bar.add_task(text, total=total)
             yield bar
 

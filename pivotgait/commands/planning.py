@@ -6,9 +6,12 @@ import json
 import os
 import secrets
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+from rich.markup import escape
 
 from pivotgait.certification import Certificate, certify
 from pivotgait.commands.output import Output, verdict
@@ -93,7 +96,7 @@ def show_phases(planned: Planned, out: Output) -> None:
         rows.append(
             (
                 phase["name"],
-                phase["finger"] or "-",
+                escape(phase["finger"]) or "-",
                 f"{phase['duration_s']:.2f} s",
                 f"{1e3 * phase['plan_time_s']:.0f} ms",
                 "-" if margin is None else f"{margin:.3f}",
@@ -129,7 +132,7 @@ def show_certificate(certificate: Certificate, out: Output) -> None:
         )
     columns = [("phase", "left"), ("what", "left"), ("value", "right"), ("limit", "right")]
     rows = [
-        (each.phase, f"{each.what} {each.contact}", f"{each.value:.3e}", f"{each.limit:.1e}")
+        (escape(each.phase), escape(f"{each.what} {each.contact}"), f"{each.value:.3e}", f"{each.limit:.1e}")
         for each in certificate.violations
     ]
     if rows:
@@ -145,7 +148,7 @@ def run_certify(path: Path, out: Output) -> int:
         rows = []
         for what, found in certificate.findings.items():
             limit = certificate.limits[what].bound
-            rows.append((what, f"{found.value:.3e}", f"{limit:.1e}", found.phase))
+            rows.append((what, f"{found.value:.3e}", f"{limit:.1e}", escape(found.phase)))
         out.table(path.name, columns, rows)
     out.emit(certificate.as_json())
     return 0 if certificate.valid else 1
@@ -155,19 +158,20 @@ def run_all(scene: str, folder: Path, seed: int, gait: str | None, out: Output) 
     """Plan, certify and report into a folder; returns the exit code."""
     from pivotgait.reporting import report_from_folder
 
+    made = _make_folder(folder)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"cannot be made: {error.strerror}", where=str(folder), mend="give another --out"
-        ) from error
-    planned = make_plan(scene, folder / "plan.h5", seed, gait, out)
+        planned = make_plan(scene, folder / "plan.h5", seed, gait, out)
+    except BaseException:
+        for each in made:  # only folders of our own, and only empty ones
+            with suppress(OSError):
+                each.rmdir()
+        raise
     write_json(folder / "summary.json", planned.summary)
     with out.progress("drawing the report", 1) as bar:
         page = report_from_folder(folder)
         bar.advance(bar.task_ids[0])
     show_phases(planned, out)
-    out.say(f"report: {page}")
+    out.say(f"report: {escape(str(page))}")
     out.emit({**planned.summary, "report": str(page)})
     return 0 if planned.certificate.valid else 1
 
@@ -181,9 +185,25 @@ def run_report(folder: Path, out: Output) -> int:
     with out.progress("drawing the report", 1) as bar:
         page = report_from_folder(folder)
         bar.advance(bar.task_ids[0])
-    out.say(f"report: {page}")
+    out.say(f"report: {escape(str(page))}")
     out.emit({"report": str(page)})
     return 0
+
+
+def _make_folder(folder: Path) -> list[Path]:
+    """Make a folder with those above it; returns the new ones, the deepest first.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    try:
+        missing = [each for each in (folder, *folder.parents) if not each.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"cannot be made: {error}", where=str(folder), mend="give another --out"
+        ) from error
+    return missing
 
 
 def writable(path: Path) -> None:

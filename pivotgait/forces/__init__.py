@@ -1,4 +1,4 @@
-"""Force allocation: a solver-neutral problem, one file per solver, a solution that proves itself."""
+"""Force allocation: a solver-neutral problem, its solvers, a solution that proves itself."""
 
 from pivotgait.forces.allocate import SOLVERS, Solver, allocate
 from pivotgait.forces.diagnosis import Diagnosis, Mend, diagnose

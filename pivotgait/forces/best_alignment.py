@@ -19,11 +19,11 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 LEFT_OUT = 0.03
 """Weight of the contact a start leaves out; not 0, which would leave its force undecided."""
-LEAVING_STEPS = 6
+LEAVING_STEPS = 4
 """Newton steps with that weight: enough to cross into the basin, as the whole path is short."""
 AWAY = 0.9
 """How far from the middle towards the end of those steps the start lies."""
-ROUGH_GAP, ROUGH_RESIDUAL = 1e-3, 1e-4
+ROUGH_GAP, ROUGH_RESIDUAL = 1e-2, 1e-3
 """Starts are first followed this far: enough to tell their minima apart."""
 CLOSE = 5e-2
 """Those within this share of the best value are finished."""
@@ -32,40 +32,40 @@ APART = 1e-2
 
 
 def best_alignment(cones: ConeBatch, z: Array) -> tuple[Array, int]:
-    """Best points (B, d) and the Newton steps of the slowest problem.
+    """Best points (d, B) and the Newton steps of the slowest problem.
 
     Args:
         cones: the constraints.
-        z: (B, d) strictly feasible points.
+        z: (d, B) strictly feasible points.
     """
-    batch, count = cones.head.shape
+    count, batch = cones.head.shape
     goal = Goal(smooth="alignment")
-    if count < 3 or z.shape[1] < 2:
+    if count < 3 or z.shape[0] < 2:
         end = minimise(cones, goal, z)
         return end.z, int(end.iterations.max())
 
     # Start j < count leaves contact j out, start j = count is the middle.
     copies = np.tile(np.arange(batch), count + 1)
     many = cones.take(copies)
-    weight = np.ones((count + 1, batch, count))
-    weight[np.arange(count), :, np.arange(count)] = LEFT_OUT
-    leaving = Goal(smooth="alignment", weight=weight.reshape(-1, count))
-    away = minimise(many, leaving, z[copies], limit=LEAVING_STEPS)
+    weight = np.ones((count, count + 1, batch))
+    weight[np.arange(count), np.arange(count)] = LEFT_OUT
+    leaving = Goal(smooth="alignment", weight=weight.reshape(count, -1))
+    away = minimise(many, leaving, z[:, copies], limit=LEAVING_STEPS)
 
     def rough(value: Array, gap: Array, residual: Array) -> Mask:
         return np.asarray((gap <= ROUGH_GAP * value) & (residual <= ROUGH_RESIDUAL))
 
     # Fresh duals and some of the middle again, or a start stays in the corner it grew into.
-    back = AWAY * away.z + (1.0 - AWAY) * z[copies]
+    back = AWAY * away.z + (1.0 - AWAY) * z[:, copies]
     end = minimise(many, goal, back, stop=rough)
     value = end.value.reshape(count + 1, batch)
     best = value.min(axis=0)
     hopeful = np.nonzero((value <= best * (1.0 + CLOSE)).reshape(-1))[0]
     hopeful = _distinct(hopeful, end.z, batch)
-    last = minimise(cones.take(hopeful % batch), goal, end.z[hopeful], dual=end.dual[hopeful])
+    last = minimise(cones.take(hopeful % batch), goal, end.z[:, hopeful], dual=end.dual[:, hopeful])
     order = np.argsort(-last.value, kind="stable")
     out = np.array(z)
-    out[hopeful[order] % batch] = last.z[order]
+    out[:, hopeful[order] % batch] = last.z[:, order]
     steps = away.iterations.max() + end.iterations.max() + last.iterations.max()
     return out, int(steps)
 
@@ -73,11 +73,11 @@ def best_alignment(cones: ConeBatch, z: Array) -> tuple[Array, int]:
 def _distinct(index: NDArray[np.intp], z: Array, batch: int) -> NDArray[np.intp]:
     """Leave out ends that lie close to an earlier one of the same problem."""
     keep: list[NDArray[np.intp]] = []
-    seen = np.full((batch, z.shape[1]), np.inf)
+    seen = np.full((len(z), batch), np.inf)
     for k in range(int(index.max()) // batch + 1):
         mine = index[index // batch == k]
         problem = mine % batch
-        far = ~(np.abs(z[mine] - seen[problem]).max(axis=1) <= APART)
-        seen[problem[far]] = z[mine[far]]
+        far = ~(np.abs(z[:, mine] - seen[:, problem]).max(axis=0) <= APART)
+        seen[:, problem[far]] = z[:, mine[far]]
         keep.append(mine[far])
     return np.concatenate(keep)

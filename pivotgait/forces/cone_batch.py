@@ -1,4 +1,7 @@
-"""B small conic problems of one shape: K z + k in a product of friction cones and half-lines."""
+"""B small conic problems of one shape: K z + k in a product of friction cones and half-lines.
+
+The batch is the last axis of every array, so that numpy's loops run along memory.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +18,15 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class ConeBatch:
-    """Slacks s = matrix @ z + offset of B problems, batch first.
+    """Slacks s = matrix @ z + offset of B problems.
 
-    The first 3 c slacks are c cones (t_x, t_y, head), the others non-negative scalars.
+    The first 3 c slacks are the t_x of c cones, their t_y and their heads; the others are
+    non-negative scalars.
 
     Attributes:
-        matrix: (B, q, d).
-        offset: (B, q).
-        head: (B, c) the head of each cone over the contact's normal force (its friction).
+        matrix: (q, d, B).
+        offset: (q, B).
+        head: (c, B) the head of each cone over the contact's normal force (its friction).
     """
 
     matrix: Array
@@ -32,79 +36,71 @@ class ConeBatch:
     @property
     def cones(self) -> int:
         """Number of cones c."""
-        return int(self.head.shape[1])
+        return int(self.head.shape[0])
 
     @property
     def degree(self) -> int:
         """Barrier degree: one per cone and one per scalar."""
-        return int(self.matrix.shape[1]) - 2 * self.cones
+        return int(self.matrix.shape[0]) - 2 * self.cones
 
     def take(self, index: NDArray[np.intp]) -> ConeBatch:
         """The problems at ``index``."""
-        return ConeBatch(self.matrix[index], self.offset[index], self.head[index])
+        return ConeBatch(
+            np.take(self.matrix, index, axis=-1),
+            np.take(self.offset, index, axis=-1),
+            np.take(self.head, index, axis=-1),
+        )
 
     def slack(self, z: Array) -> Array:
-        """(B, q) slacks at z (B, d)."""
+        """(q, B) slacks at z (d, B)."""
         return self.offset + self.image(z)
 
     def image(self, dz: Array) -> Array:
-        """(B, q) change of the slacks by dz (B, d)."""
-        return np.asarray((self.matrix @ dz[..., None])[..., 0])
+        """(q, B) change of the slacks by dz (d, B)."""
+        return np.asarray(np.einsum("qdb,db->qb", self.matrix, dz))
 
     def transposed(self, dual: Array) -> Array:
-        """(B, d) matrix' @ dual."""
-        return np.asarray((dual[:, None] @ self.matrix)[:, 0])
+        """(d, B) matrix' @ dual."""
+        return np.asarray(np.einsum("qdb,qb->db", self.matrix, dual))
 
     def split(self, s: Array) -> tuple[Array, Array]:
-        """Views of slacks or duals: cones (B, c, 3) and scalars (B, q - 3 c)."""
+        """Views of slacks or duals: cones (3, c, B) and scalars (q - 3 c, B)."""
         c = self.cones
-        return s[:, : 3 * c].reshape(len(s), c, 3), s[:, 3 * c :]
+        return s[: 3 * c].reshape(3, c, s.shape[1]), s[3 * c :]
 
     def contact_force(self, s: Array) -> Array:
-        """(B, c, 3) contact coordinates (t_x, t_y, n) of the cone slacks."""
+        """(3, c, B) contact coordinates (t_x, t_y, n) of the cone slacks."""
         x = np.array(self.split(s)[0])
-        x[..., 2] /= self.head
+        x[2] /= self.head
         return x
-
-    def pull_back(self, gradient: Array) -> Array:
-        """(B, q) gradient on the slacks from one (B, c, 3) on the contact forces."""
-        out = np.zeros(self.offset.shape)
-        cone = self.split(out)[0]
-        cone[...] = gradient
-        cone[..., 2] /= self.head
-        return out
 
     def interior(self, s: Array) -> Array:
         """(B,) smallest margin of any cone or scalar."""
-        cone, scalar = self.split(s)
-        least = np.concatenate((algebra.margin(cone), scalar), axis=1)
-        return np.asarray(least.min(axis=1))
+        cone, line = self.split(s)
+        return np.asarray(np.concatenate((algebra.margin(cone), line)).min(axis=0, initial=np.inf))
 
     def inside(self, s: Array) -> Mask:
         """(B,) whether slacks or duals are strictly interior; NaN is not."""
-        cone, line = self.split(s)
-        good = np.all(algebra.margin(cone) > 0.0, axis=1)
-        return np.asarray(good & np.all(line > 0.0, axis=1))
+        return np.asarray(self.interior(s) > 0.0)
 
     def log_barrier(self, s: Array) -> tuple[Mask, Array]:
         """(B,) whether inside, and (B,) -1/2 log det of the cones - log of the scalars there."""
         cone, line = self.split(s)
-        det = np.where(cone[..., 2] > 0.0, algebra.determinant(cone), -1.0)
-        inside = np.all(det > 0.0, axis=1) & np.all(line > 0.0, axis=1)
+        det = np.where(cone[2] > 0.0, algebra.determinant(cone), -1.0)
+        inside = np.all(det > 0.0, axis=0) & np.all(line > 0.0, axis=0)
         if not inside.all():
-            det = np.where(inside[:, None], det, 1.0)
-            line = np.where(inside[:, None], line, 1.0)
-        product = np.sqrt(det.prod(axis=1)) * line.prod(axis=1)
-        # A product of a dozen factors is one logarithm, unless it underflows.
-        if np.all(product > 1e-250) and np.all(np.isfinite(product)):
+            det, line = np.where(inside, det, 1.0), np.where(inside, line, 1.0)
+        product = np.sqrt(det.prod(axis=0)) * line.prod(axis=0)
+        # A product of a dozen factors takes one logarithm, unless it leaves the range.
+        if np.all(product > 1e-250) and np.all(product < 1e250):
             return inside, -np.log(product)
-        return inside, -0.5 * np.log(det).sum(axis=1) - np.log(line).sum(axis=1)
+        return inside, -0.5 * np.log(det).sum(axis=0) - np.log(line).sum(axis=0)
 
     def inverse(self, s: Array) -> Array:
-        """(B, q) inverse of interior slacks: minus the gradient of the barrier."""
+        """(q, B) inverse of interior slacks: minus the gradient of the barrier."""
         cone, line = self.split(s)
         out = np.empty_like(s)
         inverse_cone, inverse_line = self.split(out)
-        inverse_cone[...] = algebra.reflect(cone) / algebra.determinant(cone)[..., None]
+        inverse_cone[...] = algebra.reflect(cone) / algebra.determinant(cone)
         inverse_line[...] = 1.0 / line
         return out

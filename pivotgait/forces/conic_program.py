@@ -7,7 +7,7 @@ coordinates of all samples and, behind them, auxiliary variables.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -181,19 +181,14 @@ class ConicProgram:
         shape = (t - 1, m, 3, 3)
         constant = np.zeros((t - 1, m, 4))
         constant[..., 0] = p.force_rate_max * p.step_s
-        parts = [
-            np.concatenate([np.broadcast_to(part, shape).reshape(-1) for part in pair])
-            for pair in (
-                (row, row),
-                (place[1:], place[:-1]),
-                (self.form.frames[1:], -self.form.frames[:-1]),
-            )
-        ]
-        self.blocks.append(
-            Block(
-                "cone", 4, *(p.astype(np.intp) for p in parts[:2]), parts[2], constant.reshape(-1)
-            )
-        )
+
+        def flat(now: NDArray[Any], before: NDArray[Any]) -> NDArray[Any]:
+            pair = [np.broadcast_to(part, shape).reshape(-1) for part in (now, before)]
+            return np.concatenate(pair)
+
+        rows, columns = flat(row, row), flat(place[1:], place[:-1])
+        entries = flat(self.form.frames[1:], -self.form.frames[:-1])
+        self.blocks.append(Block("cone", 4, rows, columns, entries, constant.reshape(-1)))
 
     def add_tangential(self) -> Index:
         """Auxiliary u >= |f_t|^2 / f_n of every loaded contact, as cones; returns their columns."""

@@ -139,7 +139,7 @@ def _alignment(problem: AllocationProblem) -> tuple[Array | None, int]:
 
     def total(force: Array) -> float:
         x = (back @ force[..., None])[..., 0]
-        return float(objectives.value("alignment", x[loaded]).sum())
+        return float(objectives.value("alignment", x[loaded].T).sum())
 
     while programs < ROUNDS:
         x = (back @ force[..., None])[..., 0]

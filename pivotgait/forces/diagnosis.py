@@ -119,7 +119,7 @@ def diagnose(problem: AllocationProblem, sample: int) -> Diagnosis:
         kind: Kind = "coupling" if problem.coupled else "none"
         return Diagnosis(sample, kind, "", 0.0, ())
     cone, scalar = group.cones.split(relaxed.dual)
-    weight = np.concatenate((cone[0, :, 2], scalar[0]))
+    weight = np.concatenate((cone[2, :, 0], scalar[:, 0]))
     label, index = group.labels[int(np.argmax(weight))]
     contact = str(index) if label == "rows" else problem.names[index]
     violation = shift * float(group.scale[0])

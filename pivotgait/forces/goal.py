@@ -20,7 +20,7 @@ class Goal:
     Attributes:
         linear: (d,) or None.
         smooth: one of :data:`objectives.SMOOTH`, or None.
-        weight: (B, c) weight of each contact in the smooth part, or None for 1.
+        weight: (c, B) weight of each contact in the smooth part, or None for 1.
     """
 
     linear: Array | None = None
@@ -36,34 +36,35 @@ class Goal:
         """The goal of the problems at ``index``."""
         if self.weight is None:
             return self
-        return Goal(self.linear, self.smooth, self.weight[index])
+        return Goal(self.linear, self.smooth, np.take(self.weight, index, axis=-1))
 
     def value(self, cones: ConeBatch, z: Array, s: Array) -> Array:
         """(B,) the goal at z with slacks s."""
-        total = np.zeros(len(s)) if self.linear is None else z @ self.linear
+        total = np.zeros(s.shape[1]) if self.linear is None else self.linear @ z
         if self.smooth is not None:
             each = objectives.value(self.smooth, cones.contact_force(s))
-            total = total + (each if self.weight is None else each * self.weight).sum(axis=1)
+            total = total + (each if self.weight is None else each * self.weight).sum(axis=0)
         return np.asarray(total)
 
     def slope(self, cones: ConeBatch, s: Array) -> Array:
-        """(B, d) gradient by z."""
-        total = np.zeros((len(s), cones.matrix.shape[2]))
+        """(d, B) gradient by z."""
+        total = np.zeros(cones.matrix.shape[1:])
         if self.linear is not None:
-            total += self.linear
+            total += self.linear[:, None]
         if self.smooth is not None:
             each = objectives.gradient(self.smooth, cones.contact_force(s))
+            each[2] /= cones.head
             if self.weight is not None:
-                each *= self.weight[..., None]
-            total += cones.transposed(cones.pull_back(each))
+                each *= self.weight
+            by_slack = each.reshape(3 * cones.cones, s.shape[1])
+            total += np.einsum("qdb,qb->db", cones.matrix[: len(by_slack)], by_slack)
         return total
 
     def curvature(self, cones: ConeBatch, s: Array, *, concave: float) -> Array:
-        """(B, c, 3, 3) Hessian by the cone slacks; see :func:`objectives.hessian`."""
+        """(3, 3, c, B) Hessian by the cone slacks; see :func:`objectives.hessian`."""
         each = objectives.hessian(str(self.smooth), cones.contact_force(s), concave=concave)
-        head = cones.head[..., None]
-        each[..., 2, :] /= head
-        each[..., :, 2] /= head
+        each[2] /= cones.head
+        each[:, 2] /= cones.head
         if self.weight is not None:
-            each *= self.weight[..., None, None]
+            each *= self.weight
         return each

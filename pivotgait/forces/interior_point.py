@@ -57,7 +57,7 @@ def solve_form(
         # Without an interior (or unknowns) the point of phase 1 is the answer.
         inner = np.nonzero(first.shift < -1e-3 * FEASIBLE)[0]
         if inner.size and group.basis.shape[2]:
-            z, used = _best(group.cones.take(inner), objective, first.z[inner])
+            z, used = _best(group.cones.take(inner), objective, first.z[:, inner])
             x[group.index[inner]] = _part(group, inner).forces(z)
             steps = max(steps, used)
     force = form.world(x)

@@ -43,9 +43,9 @@ class Reduced:
     loaded: Index
 
     def forces(self, z: Array) -> Array:
-        """(B, m, 3) contact coordinates [N]."""
-        x = self.origin + (self.basis @ z[..., None])[..., 0]
-        return np.asarray(self.scale[:, None] * x).reshape(len(z), -1, 3)
+        """(B, m, 3) contact coordinates [N] at z (d, B)."""
+        x = self.origin + (self.basis @ z.T[..., None])[..., 0]
+        return np.asarray(self.scale[:, None] * x).reshape(z.shape[1], -1, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,15 +166,17 @@ def _constrain(
 ) -> Reduced:
     first = index[0]
     batch, d = len(index), basis.shape[2]
-    by_contact = basis.reshape(batch, -1, 3, d)
-    start = origin.reshape(batch, -1, 3)
+    m = basis.shape[1] // 3
+    by_contact = basis.reshape(batch, m, 3, d)
+    start = origin.reshape(batch, m, 3)
     loaded = np.nonzero(~form.known[first].all(axis=1))[0]
     head = np.array(friction[index][:, loaded])
 
     cone, cone0 = np.array(by_contact[:, loaded]), np.array(start[:, loaded])
     cone[:, :, 2] *= head[..., None]
     cone0[:, :, 2] *= head
-    blocks, offsets = [cone.reshape(batch, -1, d)], [cone0.reshape(batch, -1)]
+    blocks = [np.swapaxes(cone, 1, 2).reshape(batch, 3 * len(loaded), d)]
+    offsets = [np.swapaxes(cone0, 1, 2).reshape(batch, 3 * len(loaded))]
     labels = [("friction", int(i)) for i in loaded]
     for kind, bound, sign in (("normal_min", form.low, 1.0), ("normal_max", form.high, -1.0)):
         who = np.nonzero(~np.isnan(bound[first]))[0]
@@ -191,7 +193,9 @@ def _constrain(
         blocks.append(sign * (rows @ basis))
         offset = (rows @ origin[..., None])[..., 0] - limit[index][:, who] / (norm * scale[:, None])
         offsets.append(sign * offset)
-    cones = ConeBatch(np.concatenate(blocks, axis=1), np.concatenate(offsets, axis=1), head)
+    matrix = np.moveaxis(np.concatenate(blocks, axis=1), 0, -1)
+    offset = np.concatenate(offsets, axis=1).T
+    cones = ConeBatch(*(np.ascontiguousarray(part) for part in (matrix, offset, head.T)))
     return Reduced(index, scale, origin, basis, cones, tuple(labels), loaded)
 
 

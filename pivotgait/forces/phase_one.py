@@ -22,9 +22,9 @@ class PhaseOne:
     """Smallest common shift that makes every constraint hold.
 
     Attributes:
-        z: (B, d) the point.
+        z: (d, B) the point.
         shift: (B,) the shift there, scaled force; negative inside.
-        dual: (B, q) multipliers: the share of each constraint in the shift.
+        dual: (q, B) multipliers: the share of each constraint in the shift.
         iterations: (B,).
     """
 
@@ -42,20 +42,17 @@ def phase_one(cones: ConeBatch, *, exact: bool = False) -> PhaseOne:
         exact: converge fully; otherwise leave once half of the depth is reached inside, or the
             dual bound proves that there is no inside.
     """
-    batch, q, d = cones.matrix.shape
-    shift = np.ones(q)
-    shift[: 3 * cones.cones] = np.tile((0.0, 0.0, 1.0), cones.cones)
+    q, d, batch = cones.matrix.shape
+    shift = np.ones((q, 1, batch))
+    shift[: 2 * cones.cones] = 0.0
     # Without bounds the shift could fall forever; minus ten force scales is deep enough.
-    extra = np.zeros((batch, 1, d + 1))
-    extra[..., -1] = 1.0
-    matrix = np.concatenate(
-        (np.concatenate((cones.matrix, np.broadcast_to(shift[:, None], (batch, q, 1))), 2), extra),
-        axis=1,
-    )
-    offset = np.concatenate((cones.offset, np.full((batch, 1), 10.0)), axis=1)
+    extra = np.zeros((1, d + 1, batch))
+    extra[:, -1] = 1.0
+    matrix = np.concatenate((np.concatenate((cones.matrix, shift), axis=1), extra))
+    offset = np.concatenate((cones.offset, np.full((1, batch), 10.0)))
     lifted = ConeBatch(matrix, offset, cones.head)
-    z = np.zeros((batch, d + 1))
-    z[:, -1] = 1.0 - np.minimum(cones.interior(cones.offset), 0.0)
+    z = np.zeros((d + 1, batch))
+    z[-1] = 1.0 - np.minimum(cones.interior(cones.offset), 0.0)
 
     def stop(shift: Array, gap: Array, residual: Array) -> Mask:
         inside = (shift < -1e-3 * FEASIBLE) & (gap <= np.abs(shift)) & (residual <= 0.1)
@@ -63,4 +60,4 @@ def phase_one(cones: ConeBatch, *, exact: bool = False) -> PhaseOne:
 
     goal = Goal(linear=np.append(np.zeros(d), 1.0))
     end = minimise(lifted, goal, z, stop=None if exact else stop)
-    return PhaseOne(end.z[:, :-1], end.z[:, -1], end.dual[:, :-1], end.iterations)
+    return PhaseOne(end.z[:-1], end.z[-1], end.dual[:-1], end.iterations)

@@ -30,8 +30,8 @@ class Iterate:
     """State of the B problems.
 
     Attributes:
-        z: (B, d) point.
-        dual: (B, q) multipliers of the slacks.
+        z: (d, B) point.
+        dual: (q, B) multipliers of the slacks.
         value: (B,) goal.
         gap: (B,) complementarity s . dual.
         converged: (B,) whether the tolerances (or the caller's stop) were met.
@@ -63,15 +63,15 @@ def minimise(
     Args:
         cones: the constraints.
         goal: the objective.
-        z: (B, d) strictly feasible points.
-        dual: (B, q) interior duals to go on from, or None.
+        z: (d, B) strictly feasible points.
+        dual: (q, B) interior duals to go on from, or None.
         stop: (value, gap, residual) -> (B,) whether a problem may leave early.
         limit: most Newton steps.
     """
-    count, q = cones.offset.shape
+    q, count = cones.offset.shape
     end = Iterate(
         z=np.array(z),
-        dual=np.zeros((count, q)),
+        dual=np.zeros((q, count)),
         value=np.full(count, np.inf),
         gap=np.full(count, np.inf),
         converged=np.zeros(count, dtype=bool),
@@ -82,9 +82,9 @@ def minimise(
     dual = _first_dual(cones, goal, s) if dual is None else dual
     for iteration in range(limit + 1):
         slope = goal.slope(cones, s)
-        residual = np.abs(slope - cones.transposed(dual)).max(axis=1, initial=0.0)
-        residual /= 1.0 + np.abs(slope).max(axis=1, initial=0.0)
-        gap = np.sum(s * dual, axis=1)
+        residual = np.abs(slope - cones.transposed(dual)).max(axis=0, initial=0.0)
+        residual /= 1.0 + np.abs(slope).max(axis=0, initial=0.0)
+        gap = np.sum(s * dual, axis=0)
         value = goal.value(cones, z, s)
         target = GAP_TOLERANCE * np.maximum(np.abs(value), goal.unit)
         done = (gap <= target) & (residual <= GRADIENT_TOLERANCE)
@@ -96,15 +96,16 @@ def minimise(
             leave[:] = True
         if leave.any():
             out = active[leave]
-            end.z[out], end.dual[out], end.value[out] = z[leave], dual[leave], value[leave]
+            end.z[:, out], end.dual[:, out] = z[:, leave], dual[:, leave]
+            end.value[out] = value[leave]
             end.gap[out], end.iterations[out] = gap[leave], iteration
             end.converged[out] = done[leave]
             stay = np.nonzero(~leave)[0]
             if stay.size == 0:
                 break
             active, cones, goal = active[stay], cones.take(stay), goal.take(stay)
-            z, s, dual, slope, gap = z[stay], s[stay], dual[stay], slope[stay], gap[stay]
-            residual, target = residual[stay], target[stay]
+            z, s, dual, slope = z[:, stay], s[:, stay], dual[:, stay], slope[:, stay]
+            gap, residual, target = gap[stay], residual[stay], target[stay]
         # Complementarity must not run ahead of the dual residual, nor fall below its goal.
         floor = np.minimum(0.1 * np.maximum(target, residual), gap) / cones.degree
         z, s, dual = advance(cones, goal, z, s, dual, slope, gap, floor)
@@ -114,6 +115,6 @@ def minimise(
 def _first_dual(cones: ConeBatch, goal: Goal, s: Array) -> Array:
     """Duals on the central path of the barrier weight that matches the gradient's size."""
     inverse = cones.inverse(s)
-    push = np.linalg.norm(cones.transposed(inverse), axis=1)
-    weight = np.linalg.norm(goal.slope(cones, s), axis=1) / np.maximum(push, 1e-6)
-    return np.asarray(np.clip(weight, 1e-2, 1e2)[:, None] * inverse)
+    push = np.linalg.norm(cones.transposed(inverse), axis=0)
+    weight = np.linalg.norm(goal.slope(cones, s), axis=0) / np.maximum(push, 1e-6)
+    return np.asarray(np.clip(weight, 1e-2, 1e2) * inverse)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pivotgait.exceptions import InputError
+from pivotgait.frozen import frozen
 
 Array = NDArray[np.float64]
 Objective = Literal["alignment", "tangential", "effort", "margin"]
@@ -19,13 +20,6 @@ UNIT_TOLERANCE = 1e-6
 """Normals may be this far from unit length: rounded files, not wrong data."""
 FIXED_TOLERANCE = 1e-6
 """A ramp value may pass its bound by this [N]: it came from an earlier solve."""
-
-
-def frozen(array: Any) -> Array:
-    """Return a read-only, contiguous float64 copy of ``array``."""
-    copy = np.array(array, dtype=float, order="C")
-    copy.setflags(write=False)
-    return copy
 
 
 def _freeze(record: Any) -> None:

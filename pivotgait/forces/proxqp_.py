@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from pivotgait.contacts import inner_pyramid
 from pivotgait.exceptions import InputError, SolverError
-from pivotgait.forces import objectives
 from pivotgait.forces.cone_batch import ConeBatch
+from pivotgait.forces.goal import Goal
 from pivotgait.forces.local_form import local_form
 from pivotgait.forces.null_space import Inconsistent, Reduced, reduce
 from pivotgait.forces.phase_one import phase_one
@@ -58,51 +58,46 @@ def solve(problem: AllocationProblem) -> tuple[Array, Mask, int]:
             z, programs = _solve_one(group, b, problem.objective)
             most = max(most, programs)
             if z is not None:
-                x[sample] = group.forces(np.tile(z, (len(group.index), 1)))[b]
+                x[sample] = group.forces(np.tile(z[:, None], len(group.index)))[b]
     force = form.world(x)
     return force, np.isfinite(x).all(axis=(1, 2)), most
 
 
-def _rows(group: Reduced, b: int) -> tuple[Array, Array]:
-    """Pyramid, bounds and linear rows of problem b as C z <= u."""
-    cones = group.cones.take(np.array([b]))
-    matrix, offset, c = cones.matrix[0], cones.offset[0], cones.cones
-    facets = np.array(inner_pyramid(1.0, FACETS))  # heads are already scaled by friction
-    sides = [np.kron(np.eye(c), facets) @ matrix[: 3 * c], -matrix[3 * c :]]
-    limits = [-np.kron(np.eye(c), facets) @ offset[: 3 * c], offset[3 * c :]]
-    return np.concatenate(sides), np.concatenate(limits)
-
-
-def _inside(group: Reduced, b: int) -> tuple[Array | None, float]:
-    """A point of the pyramid, or None, and how deep it lies inside."""
-    matrix, limit = _rows(group, b)
-    first = phase_one(ConeBatch(-matrix[None], limit[None], np.zeros((1, 0))))
-    if first.shift[0] > EPS:
-        return None, 0.0
-    return first.z[0], float(-first.shift[0])
+def _rows(cones: ConeBatch) -> tuple[Array, Array]:
+    """Pyramid, bounds and linear rows of a batch of one as C z <= u."""
+    matrix, offset, c = cones.matrix[..., 0], cones.offset[:, 0], cones.cones
+    # Heads are already scaled by friction; slacks run over contacts first.
+    facets = np.kron(inner_pyramid(1.0, FACETS), np.eye(c))
+    sides = np.concatenate((facets @ matrix[: 3 * c], -matrix[3 * c :]))
+    return sides, np.concatenate((-facets @ offset[: 3 * c], offset[3 * c :]))
 
 
 def _solve_one(group: Reduced, b: int, objective: str) -> tuple[Array | None, int]:
-    z, depth = _inside(group, b)
-    if z is None or z.size == 0 or depth <= INSET:
-        return z, 0
+    """Null-space point (d,), or None without one, and the programs it took."""
     cones = group.cones.take(np.array([b]))
-    matrix, limit = _rows(group, b)
+    matrix, limit = _rows(cones)
+    first = phase_one(ConeBatch(-matrix[..., None], limit[:, None], np.zeros((0, 1))))
+    z = first.z[:, 0]
+    if first.shift[0] > EPS:
+        return None, 0
+    if z.size == 0 or -first.shift[0] <= INSET:
+        return z, 0
+    goal = Goal(smooth=objective)
 
     def total(z: Array) -> float:
-        return float(objectives.value(objective, cones.contact_force(cones.slack(z[None]))).sum())
+        return float(goal.value(cones, z[:, None], cones.slack(z[:, None]))[0])
 
-    heads = cones.head[0]
-    local = cones.matrix[0, : 3 * cones.cones].reshape(cones.cones, 3, -1).copy()
-    local[:, 2] /= heads[:, None]
-    for programs in range(1, ROUNDS + 1):
-        force = cones.contact_force(cones.slack(z[None]))[0]
-        slope = np.einsum("ia,iad->d", objectives.gradient(objective, force), local)
-        curvature = np.einsum("iad,iab,ibe->de", local, objectives.hessian(objective, force), local)
+    local = cones.matrix[: 3 * cones.cones, :, 0].reshape(3, cones.cones, -1)
+    programs = 0
+    while programs < ROUNDS:
+        programs += 1
+        s = cones.slack(z[:, None])
+        slope = goal.slope(cones, s)[:, 0]
+        curvature = np.einsum(
+            "icd,ijc,jce->de", local, goal.curvature(cones, s, concave=0.0)[..., 0], local
+        )
         aim = _program(curvature + REGULARISATION * np.eye(z.size), slope, matrix, limit, z)
         promise = -float(slope @ (aim - z))
-        if objective == "effort" and programs > 1:
-            break
         if promise <= DECREASE * max(total(z), 1e-3):
             break
         length, now = 1.0, total(z)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from pivotgait.contacts import cone_margin, friction_margin, grasp_map
 from pivotgait.exceptions import InfeasibleError
-from pivotgait.forces.problem import AllocationProblem, frozen
+from pivotgait.forces.problem import AllocationProblem
+from pivotgait.frozen import frozen
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

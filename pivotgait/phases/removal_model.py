@@ -31,7 +31,9 @@ class StageProgram:
     """A discrete-time optimal control problem in CasADi symbols.
 
     Attributes:
-        variables, objective, constraints, parameters: of the nonlinear program.
+        variables, constraints, parameters: of the nonlinear program.
+        residuals: their sum of squares is the objective.
+        concave: numbers of the constraint rows that are concave functions.
         lower, upper: bounds of the constraints.
         equality: which constraints are equalities.
         states, controls, path_rows: sizes per stage, as FATROP wants them.
@@ -39,8 +41,9 @@ class StageProgram:
 
     parameters: Any
     variables: list[Any] = field(default_factory=list)
-    objective: Any = 0.0
+    residuals: list[Any] = field(default_factory=list)
     constraints: list[Any] = field(default_factory=list)
+    concave: list[int] = field(default_factory=list)
     lower: list[float] = field(default_factory=list)
     upper: list[float] = field(default_factory=list)
     equality: list[bool] = field(default_factory=list)
@@ -55,6 +58,12 @@ class StageProgram:
     def positive(self, expression: Any) -> None:
         """Constrain an expression to be at least 0."""
         self._append(expression, INF, False)
+
+    def positive_concave(self, expression: Any) -> None:
+        """Constrain a concave expression to be at least 0."""
+        first = len(self.lower)
+        self.positive(expression)
+        self.concave += range(first, len(self.lower))
 
     def _append(self, expression: Any, upper: float, equality: bool) -> None:
         rows = expression.shape[0]
@@ -154,14 +163,16 @@ def removal_program(steps: int, staying: int, clear_points: int, *, rated: bool)
             program.equal(state - start)
         if last:
             program.equal(state[4:])
-            turn = ca.dot(symbols["orientation"], state[:4])
-            program.objective += symbols["weights"][0] * 4 * (1 - turn**2)
+            back = ca.vertcat(-symbols["orientation"][:3], symbols["orientation"][3])
+            turn = Attitude.product(ca, back, state[:4])[:3]
+            # its square is 4 sin^2(delta / 2) = 4 (1 - (r_0 . r_K)^2), but convex in r_K
+            program.residuals.append(2 * ca.sqrt(symbols["weights"][0]) * turn)
         if rated:
             stage.limit_change(program, before, fingers)
             before = fingers
         contacts = [(control[-3:-1], control[-1]), *fingers]
         stage.constrain(program, state, rates, contacts)
-        program.objective += stage.cost(rates, contacts)
+        program.residuals.append(stage.residuals(rates, contacts))
         program.path_rows.append(len(program.lower) - first)
     return program
 
@@ -211,7 +222,7 @@ class _Stage:
         turn = Attitude.matrix(ca, state[:4])
         self._dynamics(program, turn, state[4:], rates, contacts)
         for i, (tau, _) in enumerate(contacts):
-            program.positive(p["friction"][i] ** 2 - ca.dot(tau, tau))
+            program.positive_concave(p["friction"][i] ** 2 - ca.dot(tau, tau))
         for i in range(self.staying + 1):  # the ramp fixes the leaving finger's
             normal = contacts[i][1]
             program.positive(normal - p["normal_min"][i])
@@ -240,11 +251,10 @@ class _Stage:
         tau, normal = contacts[0]
         program.equal(normal * ca.vertcat(tau, 1) - turn @ (mass * rate - push))
 
-    def cost(self, rates: Any, contacts: list[Any]) -> Any:
-        """Running cost of the stage: h (w_a |s|^2 + w_n sum sin^2)."""
+    def residuals(self, rates: Any, contacts: list[Any]) -> Any:
+        """Square roots of the stage's cost h (w_a |s|^2 + w_n sum sin^2)."""
         ca, weights, h = self.ca, self.p["weights"], self.p["step_s"]
-        sine = 0.0
-        for tau, _ in contacts:
-            slope = ca.dot(tau, tau)
-            sine += slope / (1 + slope)
-        return h * (weights[1] * ca.dot(rates, rates) + weights[2] * sine)
+        sines = [tau / ca.sqrt(1 + ca.dot(tau, tau)) for tau, _ in contacts]
+        return ca.vertcat(
+            ca.sqrt(weights[1] * h) * rates, ca.sqrt(weights[2] * h) * ca.vertcat(*sines)
+        )

@@ -22,8 +22,10 @@ from pivotgait.phases.removal_problem import RemovalProblem, RemovalSolution, re
 Array = NDArray[np.float64]
 NlpSolver = Literal["fatrop", "ipopt"]
 
-OBJECTIVE_SCALE = 30.0
-"""The cost of a good removal is about 0.03: scaled to 1, or the solvers stop too early."""
+SCALE_PER_STEP = 5.0
+"""The objective is the cost times this and K. A good removal costs 1e-3 to 1e-1: scaled up, the
+barrier that the solvers start with (0.1 for each constraint, whose number grows with K) does
+not first drive the tool away from where it is."""
 FRICTION_RESERVE = 1e-6
 """Relative reserve of friction: a cone is then kept to 1e-8 N in spite of a tolerance of 1e-8."""
 BOUND_RESERVE_N = 1e-7
@@ -56,8 +58,10 @@ class RemovalNlp:
         program = removal_program(steps, staying, clear_points, rated=rated)
         self.steps, self.staying, self.solver = steps, staying, solver
         self.equality = np.array(program.equality)
+        self.scale = SCALE_PER_STEP * steps
+        residuals = np.sqrt(self.scale) * ca.vertcat(*program.residuals)
         objective, constraints = ca.cse(
-            [OBJECTIVE_SCALE * program.objective, ca.vertcat(*program.constraints)]
+            [ca.dot(residuals, residuals), ca.vertcat(*program.constraints)]
         )
         nlp = {
             "x": ca.vertcat(*program.variables),
@@ -77,7 +81,8 @@ class RemovalNlp:
                 "equality": program.equality,
                 "fatrop.print_level": 0,
                 "fatrop.tol": 1e-8,
-                "fatrop.max_iter": 300,
+                "fatrop.max_iter": 150,
+                "cache": {"nlp_hess_l": _gauss_newton(nlp, residuals, program.concave)},
             }
             if warm:
                 options["fatrop.mu_init"] = 1e-5
@@ -102,7 +107,7 @@ class RemovalNlp:
             SolverError: the solver did not converge.
         """
         parameters = pack(problem)
-        start = {"x0": self._guess(problem, guess)}
+        start = {"x0": self.guess(problem, guess)}
         if guess is not None and guess.multipliers is not None:
             multipliers = guess.multipliers[0]
             if len(multipliers) == len(self.equality):
@@ -128,15 +133,16 @@ class RemovalNlp:
         g = np.array(rows).ravel()
         slack, pressure = g[~self.equality], dual[~self.equality]
         parts = [
-            np.abs(np.array(gradient)).max() / OBJECTIVE_SCALE,
+            np.abs(np.array(gradient)).max() / self.scale,
             np.abs(g[self.equality]).max(),
             np.max(-slack, initial=0.0),
-            np.max(pressure, initial=0.0) / OBJECTIVE_SCALE,
-            np.abs(slack * pressure).max(initial=0.0) / OBJECTIVE_SCALE,
+            np.max(pressure, initial=0.0) / self.scale,
+            np.abs(slack * pressure).max(initial=0.0) / self.scale,
         ]
         return float(max(parts))
 
-    def _guess(self, problem: RemovalProblem, guess: RemovalSolution | None) -> Array:
+    def guess(self, problem: RemovalProblem, guess: RemovalSolution | None) -> Array:
+        """Variables to start from: those of a solution, or the tool staying as it is."""
         x = np.zeros(self._places["size"])
         if guess is None:  # the tool stays where it is, and so do the forces of the others
             turn = Rotation.from_quat(problem.orientation).as_matrix()
@@ -199,6 +205,31 @@ class RemovalNlp:
             kkt_residual=residual,
             multipliers=(dual,),
         )
+
+
+def _gauss_newton(nlp: dict[str, Any], residuals: Any, concave: list[int]) -> Any:
+    """CasADi function of the Lagrangian's gradient and its Gauss-Newton Hessian.
+
+    The Hessian keeps the squares of the residuals' Jacobian and the curvature of the concave
+    constraints, whose multipliers have the right sign: positive semidefinite, so that FATROP
+    need not regularise, and a third of the exact one's cost. The curvature of the dynamics is
+    dropped; the gradient is exact, and so is the answer.
+    """
+    import casadi as ca
+
+    x, p, g = nlp["x"], nlp["p"], nlp["g"]
+    of_cost, of_rows = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", g.shape[0])
+    jacobian = ca.jacobian(residuals, x)
+    pressed = ca.dot(of_rows[concave], g[concave])
+    gradient = 2 * of_cost * (jacobian.T @ residuals) + ca.jtimes(g, x, of_rows, True)
+    hessian = 2 * of_cost * (jacobian.T @ jacobian) + ca.hessian(pressed, x)[0]
+    return ca.Function(
+        "nlp_hess_l",
+        [x, p, of_cost, of_rows],
+        ca.cse([gradient, hessian]),
+        ["x", "p", "lam_f", "lam_g"],
+        ["grad_gamma_x", "hess_gamma_x_x"],
+    )
 
 
 @lru_cache(maxsize=24)

@@ -28,13 +28,14 @@ from pivotgait.phases.removal_linearised import (
 from pivotgait.phases.removal_nlp import (
     BOUND_RESERVE_N,
     FRICTION_RESERVE,
-    OBJECTIVE_SCALE,
     balance,
 )
 from pivotgait.phases.removal_problem import RemovalProblem, RemovalSolution, removal_cost
 
 Array = NDArray[np.float64]
 
+COST_SCALE = 30.0
+"""The cost of a good removal is 1e-3 to 1e-1: scaled to about 1."""
 PENALTY = 1e3
 """Cost (scaled) of 0.1 N m of moment residual: above the multipliers met, 50 to 300."""
 MAX_ROUNDS = 80
@@ -154,7 +155,7 @@ def _merit(problem: RemovalProblem, trajectory: Trajectory) -> float:
         _forces(problem, trajectory, state),
     )
     violation = _violation(problem, trajectory, state)
-    return OBJECTIVE_SCALE * cost + PENALTY * violation
+    return COST_SCALE * cost + PENALTY * violation
 
 
 def _solution(
@@ -230,7 +231,7 @@ class _Round:
             Trajectory.of(self.problem, sigma, local),
             float(0.5 * x @ (quadratic @ x) + linear @ x + constant),
             float(np.abs(x[self.a]).max()),
-            float(np.abs(quadratic @ step).max()) / OBJECTIVE_SCALE,
+            float(np.abs(quadratic @ step).max()) / COST_SCALE,
         )
 
     def _point(self) -> Array:
@@ -243,7 +244,7 @@ class _Round:
     def _cost(self) -> tuple[Any, Array, float]:
         """Gauss-Newton model 0.5 x' P x + q' x + c of the scaled cost with the penalty."""
         problem, layout = self.problem, self.layout
-        weights, h = OBJECTIVE_SCALE * problem.weights.as_array, problem.step_s
+        weights, h = COST_SCALE * problem.weights.as_array, problem.step_s
         blocks: list[tuple[Any, Array, Array]] = []  # columns, J, r: cost |J x + r|^2
         last = Rotation.from_matrix(self.nominal.rotation[-1])
         error = (last * Rotation.from_quat(problem.orientation).inv()).as_quat(canonical=True)

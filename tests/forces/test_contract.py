@@ -303,3 +303,63 @@ def test_results_are_frozen():
     for array in (allocation.force, allocation.objective, allocation.problem.wrench):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0.0
+
+
+def test_no_load_at_all_is_feasible_and_any_wrench_is_not():
+    problem = trajectory(2)
+    zero = np.zeros((2, 4))
+    wrench = np.zeros((2, 6))
+    wrench[1, 2] = 1.0
+    idle = replace(problem, normal_min=zero, normal_fixed=zero, wrench=wrench)
+    for solver in ("interior_point", "clarabel"):
+        allocation = allocate(idle, solver)
+        assert allocation.feasible.tolist() == [True, False]
+        assert np.all(allocation.force[0] == 0.0)
+
+
+def test_one_answer_whatever_the_batch_around_it():
+    problem = random_problem(np.random.default_rng(6), 30, 4, "tangential", spread=2)
+    together = allocate(problem, "interior_point")
+    for k in (0, 11, 29):
+        alone = allocate(problem.sample(k), "interior_point")
+        assert alone.feasible[0] == together.feasible[k]
+        assert alone.force[0] == pytest.approx(together.force[k], abs=1e-7, nan_ok=True)
+
+
+@pytest.mark.parametrize("solver", ["interior_point", "clarabel", "proxqp"])
+def test_forces_that_the_equations_decide(solver):
+    # Two contacts leave one unknown, the squeeze: a ramp prescribes that as well.
+    problem = replace(problem_for("proxqp", "tangential", contacts=2), normal_fixed=None)
+    free = allocate(problem, solver)
+    fixed = np.full((problem.samples, 2), np.nan)
+    fixed[:, 1] = free.normal_force[:, 1]
+    fixed[~free.feasible, 1] = 1.0
+    decided = allocate(replace(problem, normal_fixed=fixed), solver)
+    assert np.all(decided.feasible[free.feasible])
+    assert_proven(decided)
+    assert decided.force[free.feasible] == pytest.approx(free.force[free.feasible], abs=1e-6)
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+@pytest.mark.parametrize("contacts", [4, 5])
+def test_samples_of_many_patterns_in_one_batch(objective, contacts):
+    problem = random_problem(np.random.default_rng(77), 200, contacts, objective, spread=2)
+    high, low = np.array(problem.normal_max), np.array(problem.normal_min)
+    fixed = np.full(low.shape, np.nan)
+    high[::3, 0] = np.inf
+    low[::4] = 0.0
+    low[::5, -1], fixed[::5, -1] = 0.0, 0.7
+    fixed[::10, -1] = 0.0
+    mixed = replace(problem, normal_max=high, normal_min=low, normal_fixed=fixed)
+    allocation = allocate(mixed, "interior_point")
+    assert allocation.feasible.mean() > 0.5
+    assert_proven(allocation)
+    some = head(mixed, 12)
+    theirs = allocate(some, "clarabel")
+    ok = theirs.feasible
+    assert np.array_equal(allocation.feasible[:12], ok)
+    # Either may find the better minimum of alignment, ours does more often.
+    worse = allocation.objective[:12] > theirs.objective * (1 + 1e-6)
+    if objective == "margin":
+        worse = allocation.objective[:12] < theirs.objective * (1 - 1e-6)
+    assert not worse[ok].any()

@@ -1,0 +1,7 @@
+"""Timings against peers, as ratios measured in one run; building time of peers apart."""
+
+from pivotgait.benchmarks.allocation import allocation_rows
+from pivotgait.benchmarks.removal import removal_rows
+from pivotgait.benchmarks.startup import import_rows
+
+__all__ = ["allocation_rows", "import_rows", "removal_rows"]
