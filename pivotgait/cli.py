@@ -168,6 +168,7 @@ def main(arguments: list[str] | None = None) -> None:
     given = sys.argv[1:] if arguments is None else arguments
     try:
         code = app(args=given, standalone_mode=False)
+        sys.stdout.flush()
     except (PivotGaitError, typer.TyperException) as error:
         if "--debug" in given:
             traceback.print_exc()
@@ -175,10 +176,11 @@ def main(arguments: list[str] | None = None) -> None:
     except (KeyboardInterrupt, typer.Abort):
         sys.stderr.write("pivotgait: stopped\n")
         code = 130
-    except BrokenPipeError:
-        # whoever read our output has gone; nothing more can be written
+    except (BrokenPipeError, SystemExit):  # typer exits with 1 where it meets a broken pipe
+        # whoever read our output has gone: nothing more can be written, nor was all said, so
+        # that this is no success; 141 is what the shell gives other programs then
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        code = 0
+        code = 141
     sys.exit(code or 0)
 
 

@@ -120,11 +120,10 @@ class BareNlp:
         import casadi as ca
 
         program = removal_program(steps, staying, clear_points, rated=False)
-        residuals = np.sqrt(SCALE_PER_STEP * steps) * ca.vertcat(*program.residuals)
         nlp = {
-            "x": ca.vertcat(*program.variables),
-            "f": ca.dot(residuals, residuals),
-            "g": ca.vertcat(*program.constraints),
+            "x": program.variables,
+            "f": SCALE_PER_STEP * steps * program.objective,
+            "g": program.constraints,
             "p": program.parameters,
         }
         options: dict[str, Any] = {"print_time": False, f"{solver}.print_level": 0}
@@ -146,7 +145,7 @@ class BareNlp:
                 options["ipopt.warm_start_init_point"] = "yes"
         self._nlpsol = ca.nlpsol("bare", solver, nlp, options)
         self._start = removal_nlp(steps, staying, clear_points).guess
-        self._bounds = {"lbg": ca.DM(program.lower), "ubg": ca.DM(program.upper)}
+        self._bounds = {"lbg": 0.0, "ubg": ca.DM(program.upper)}
 
     def __call__(self, problem: RemovalProblem, answer: Any = None) -> Any:
         """Solve, from the common start or from an earlier answer; returns CasADi's answer."""

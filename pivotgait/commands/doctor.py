@@ -42,7 +42,8 @@ def run_doctor(out: Output) -> int:
         [(name, found or "[red]missing[/]") for name, found in packages.items()],
     )
     rows = [
-        (name, result if result == "ok" else f"[red]{escape(result)}[/]") for name, result in probes.items()
+        (name, result if result == "ok" else f"[red]{escape(result)}[/]")
+        for name, result in probes.items()
     ]
     out.table("checks", [("what", "left"), ("result", "left")], rows)
     out.say(f"environment: {verdict(healthy, 'healthy', 'NOT healthy: reinstall what is red')}")

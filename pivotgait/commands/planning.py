@@ -132,7 +132,12 @@ def show_certificate(certificate: Certificate, out: Output) -> None:
         )
     columns = [("phase", "left"), ("what", "left"), ("value", "right"), ("limit", "right")]
     rows = [
-        (escape(each.phase), escape(f"{each.what} {each.contact}"), f"{each.value:.3e}", f"{each.limit:.1e}")
+        (
+            escape(each.phase),
+            escape(f"{each.what} {each.contact}"),
+            f"{each.value:.3e}",
+            f"{each.limit:.1e}",
+        )
         for each in certificate.violations
     ]
     if rows:
@@ -180,8 +185,12 @@ def run_report(folder: Path, out: Output) -> int:
     """Write the report of a folder that holds a plan."""
     from pivotgait.reporting import report_from_folder
 
-    if not folder.is_dir():
-        raise InputError("is not a folder", where=str(folder), mend="give the --out of a run")
+    try:
+        there = folder.is_dir()
+    except OSError:  # a name too long for the file system
+        there = False
+    if not there:
+        raise InputError("is not a folder", where=str(folder)[:80], mend="give the --out of a run")
     with out.progress("drawing the report", 1) as bar:
         page = report_from_folder(folder)
         bar.advance(bar.task_ids[0])
@@ -212,9 +221,16 @@ def writable(path: Path) -> None:
     Raises:
         InputError: its folder is missing or not writable, or it is a folder.
     """
-    if path.is_dir():
-        raise InputError("is a folder", where=str(path), mend="give the path of a file")
-    if not path.parent.is_dir():
+    try:
+        if path.is_dir():
+            raise InputError("is a folder", where=str(path), mend="give the path of a file")
+        path.exists()  # a name too long for the file system raises here
+        there = path.parent.is_dir()
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"is not a path: {error}", where=str(path)[:80], mend="give another"
+        ) from error
+    if not there:
         raise InputError(f"folder {path.parent} does not exist", where=str(path), mend="make it")
     if not os.access(path.parent, os.W_OK):
         raise InputError(

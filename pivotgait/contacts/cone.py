@@ -33,12 +33,14 @@ def cone_margin(force: ArrayLike, normal: ArrayLike, friction: ArrayLike) -> Arr
 def friction_margin(force: ArrayLike, normal: ArrayLike, friction: ArrayLike) -> Array:
     """Relative friction margin 1 - |f_t| / (mu f_n), in [0, 1] inside the cone.
 
-    NaN where the normal force is not positive: no force, no margin.
+    NaN where the normal force is not positive: no force, no margin. Minus infinity where it is
+    too small for the quotient to be a number.
     """
     normal_force, tangential = split_force(force, normal)
     limit = np.asarray(friction, dtype=float) * normal_force
     loaded = limit > 0.0
-    return np.where(loaded, 1.0 - tangential / np.where(loaded, limit, 1.0), np.nan)
+    with np.errstate(over="ignore"):
+        return np.where(loaded, 1.0 - tangential / np.where(loaded, limit, 1.0), np.nan)
 
 
 def inner_pyramid(friction: float, facets: int = 8) -> Array:

@@ -20,58 +20,17 @@ instances, its reduced Hessian being reported indefinite from stage to stage.)
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
-INF = float("inf")
+import numpy as np
+from numpy.typing import NDArray
 
+from pivotgait.phases.stagewise import Piece, Program, assemble
 
-@dataclass
-class StageProgram:
-    """A discrete-time optimal control problem in CasADi symbols.
-
-    Attributes:
-        variables, constraints, parameters: of the nonlinear program.
-        residuals: their sum of squares is the objective.
-        concave: numbers of the constraint rows that are concave functions.
-        lower, upper: bounds of the constraints.
-        equality: which constraints are equalities.
-        states, controls, path_rows: sizes per stage, as FATROP wants them.
-    """
-
-    parameters: Any
-    variables: list[Any] = field(default_factory=list)
-    residuals: list[Any] = field(default_factory=list)
-    constraints: list[Any] = field(default_factory=list)
-    concave: list[int] = field(default_factory=list)
-    lower: list[float] = field(default_factory=list)
-    upper: list[float] = field(default_factory=list)
-    equality: list[bool] = field(default_factory=list)
-    states: list[int] = field(default_factory=list)
-    controls: list[int] = field(default_factory=list)
-    path_rows: list[int] = field(default_factory=list)
-
-    def equal(self, expression: Any) -> None:
-        """Constrain an expression to 0."""
-        self._append(expression, 0.0, True)
-
-    def positive(self, expression: Any) -> None:
-        """Constrain an expression to be at least 0."""
-        self._append(expression, INF, False)
-
-    def positive_concave(self, expression: Any) -> None:
-        """Constrain a concave expression to be at least 0."""
-        first = len(self.lower)
-        self.positive(expression)
-        self.concave += range(first, len(self.lower))
-
-    def _append(self, expression: Any, upper: float, equality: bool) -> None:
-        rows = expression.shape[0]
-        self.constraints.append(expression)
-        self.lower += [0.0] * rows
-        self.upper += [upper] * rows
-        self.equality += [equality] * rows
-
+Index = NDArray[np.intp]
+STATE = 7
+"""Size of the state (r, Omega)."""
 
 PARAMETERS: dict[str, Callable[[int, int], tuple[int, int]]] = {
     "orientation": lambda n, p: (4, 1),
@@ -128,83 +87,204 @@ class Attitude:
         return ca.vertcat(sinc * turn / 2, cosine)
 
 
-def removal_program(steps: int, staying: int, clear_points: int, *, rated: bool) -> StageProgram:
+@dataclass(frozen=True)
+class RemovalProgram:
+    """The nonlinear program, and its sizes by stage as FATROP wants them."""
+
+    nlp: Program
+    states: list[int]
+    controls: list[int]
+    path_rows: list[int]
+
+
+def removal_program(
+    steps: int, staying: int, clear_points: int, *, rated: bool, scale: float
+) -> RemovalProgram:
     """Build the program.
+
+    Variables are (x_k, u_k) stage by stage. Constraints are, stage by stage, the flow to the
+    next one, in the first stage its start, in the last its rest, then dynamics, cones, bounds
+    and clearance; after all stages the rates of the finger forces.
 
     Args:
         steps: K.
         staying: number of fingers that stay.
         clear_points: number of points kept over the table.
         rated: whether the rate of the finger forces is bounded.
+        scale: factor of the cost.
     """
     import casadi as ca
 
-    symbols = {
-        name: ca.SX.sym(name, *shape(staying, clear_points)) for name, shape in PARAMETERS.items()
-    }
-    program = StageProgram(ca.vertcat(*[ca.vec(symbol) for symbol in symbols.values()]))
-    states = [ca.SX.sym(f"x{k}", 7) for k in range(1, steps + 1)]
-    stage = _Stage(ca, symbols, staying)
-    before = stage.start()
-    for k in range(1, steps + 1):
-        state, last = states[k - 1], k == steps
-        size = (0 if last else 3) + 3 * staying + (0 if last else 2) + 3
-        control = ca.SX.sym(f"u{k}", size)
-        program.variables += [state, control]
-        program.states.append(7)
-        program.controls.append(size)
-        rates = ca.SX.zeros(3) if last else control[:3]
-        fingers = stage.fingers(control[0 if last else 3 : -3], 1.0 - k / steps)
-        if not last:
-            program.equal(states[k] - stage.advance(state, rates))
-        first = len(program.lower)
-        if k == 1:
-            start = ca.vertcat(symbols["orientation"], ca.SX.zeros(3))
-            program.equal(state - start)
-        if last:
-            program.equal(state[4:])
-            back = ca.vertcat(-symbols["orientation"][:3], symbols["orientation"][3])
-            turn = Attitude.product(ca, back, state[:4])[:3]
-            # its square is 4 sin^2(delta / 2) = 4 (1 - (r_0 . r_K)^2), but convex in r_K
-            program.residuals.append(2 * ca.sqrt(symbols["weights"][0]) * turn)
-        if rated:
-            stage.limit_change(program, before, fingers)
-            before = fingers
-        contacts = [(control[-3:-1], control[-1]), *fingers]
-        stage.constrain(program, state, rates, contacts)
-        program.residuals.append(stage.residuals(rates, contacts))
-        program.path_rows.append(len(program.lower) - first)
-    return program
+    stage, many = _Stage(ca, staying, clear_points), steps - 1
+    width, width_last = STATE + 3 * staying + 8, STATE + 3 * staying + 3
+    left, share = width * np.arange(steps), 1.0 - np.arange(1, steps + 1) / steps
+    inner, last = stage.expressions(last=False), stage.expressions(last=True)
+    rows = inner.rows.shape[0]
+    # the start's rows stand between the first flow and the rest of the first stage
+    places = STATE + rows * np.arange(many)[:, None] + np.arange(rows)
+    places[0, :STATE] -= STATE
+    end = STATE + rows * many
+    pieces = [
+        Piece(
+            ca,
+            inner.inputs,
+            inner.rows,
+            inner.cost,
+            columns=left[:many, None] + np.arange(width),
+            places=places,
+            shares=share[:many, None],
+        ),
+        Piece(
+            ca,
+            last.inputs,
+            last.rows,
+            last.cost,
+            columns=left[many:, None] + np.arange(width_last),
+            places=end + np.arange(last.rows.shape[0])[None],
+            shares=share[many:, None],
+        ),
+    ]
+    equality = [True] * STATE + ([True] * inner.equal + [False] * (rows - inner.equal)) * many
+    equality += [True] * last.equal + [False] * (last.rows.shape[0] - last.equal)
+    if rated:
+        pieces += stage.rates(left, share, len(equality))
+        equality += [False] * (steps * (staying + 1))
+    state = np.arange(STATE)
+    ones = (  # x_k+1 in the flows, x_1 in the start
+        np.concatenate((places[:, :STATE].ravel(), STATE + state)),
+        np.concatenate(((left[1:, None] + state).ravel(), state)),
+    )
+    return RemovalProgram(
+        nlp=assemble(
+            ca,
+            (width * many + width_last, len(equality), stage.parameters.shape[0]),
+            pieces,
+            ones,
+            stage.offset(len(equality)),
+            scale=scale,
+            equality=equality,
+        ),
+        states=[STATE] * steps,
+        controls=[width - STATE] * many + [width_last - STATE],
+        path_rows=[rows] + [rows - STATE] * (many - 1) + [last.rows.shape[0]],
+    )
 
 
-@dataclass
+@dataclass(frozen=True)
+class _Expressions:
+    """Rows (``equal`` equations first) and cost of one stage, of ``inputs`` (w, share, p)."""
+
+    inputs: list[Any]
+    rows: Any
+    cost: Any
+    equal: int
+
+
 class _Stage:
-    """The formulae of one stage."""
+    """The formulae of one stage, over one vector of parameters."""
 
-    ca: Any
-    p: dict[str, Any]
-    staying: int
+    def __init__(self, ca: Any, staying: int, clear_points: int) -> None:
+        self.ca, self.staying = ca, staying
+        shapes = {name: shape(staying, clear_points) for name, shape in PARAMETERS.items()}
+        self.p = {name: ca.SX.sym(name, *shape) for name, shape in shapes.items()}
+        self.parameters = ca.vertcat(*[ca.vec(symbol) for symbol in self.p.values()])
 
-    def start(self) -> list[Any]:
-        """Forces of the fingers at k = 0 in their contact frames, as (tau, f_n)."""
-        local = self.p["start_local"]
-        return [(local[:2, i] / local[2, i], local[2, i]) for i in range(self.staying + 1)]
+    def expressions(self, *, last: bool) -> _Expressions:
+        """Rows and cost: minus the next state (in the last stage the rates, to rest), ..."""
+        ca = self.ca
+        x, share = ca.SX.sym("x", STATE), ca.SX.sym("share")
+        u = ca.SX.sym("u", 3 * self.staying + (3 if last else 8))
+        rates = ca.SX.zeros(3) if last else u[:3]
+        fingers = self.fingers(u[:-3] if last else u[3:-3], share, last=last)
+        contacts = [(u[-3:-1], u[-1]), *fingers]
+        turn = Attitude.matrix(ca, x[:4])
+        equations = self.dynamics(turn, x[4:], rates, contacts)
+        flow = x[4:] if last else -self.advance(x, rates)
+        cost = self.cost(rates, contacts)
+        return _Expressions(
+            inputs=[ca.vertcat(x, u), share, self.parameters],
+            rows=ca.vertcat(flow, equations, self.bounds(turn, contacts)),
+            cost=cost + self.turn(x[:4]) if last else cost,
+            equal=flow.shape[0] + equations.shape[0],
+        )
 
-    def fingers(self, part: Any, share: float) -> list[Any]:
+    def offset(self, rows: int) -> Any:
+        """Function of the parameters: the start's place (r_0, 0) in a vector of constraints."""
+        ca = self.ca
+        start = ca.vertcat(
+            ca.SX.zeros(STATE), self.p["orientation"], ca.SX.zeros(rows - STATE - 4)
+        )
+        return ca.Function("offset", [self.parameters], [start])
+
+    def turn(self, orientation: Any) -> Any:
+        """Cost of the reorientation, w_r 4 sin^2(delta / 2) = w_r 4 (1 - (r_0 . r_K)^2).
+
+        Written as a sum of squares linear in r_K, it is convex.
+        """
+        ca, start = self.ca, self.p["orientation"]
+        between = Attitude.product(ca, ca.vertcat(-start[:3], start[3]), orientation)[:3]
+        return 4 * self.p["weights"][0] * ca.dot(between, between)
+
+    def rates(self, left: Index, share: NDArray[np.float64], first_row: int) -> list[Piece]:
+        """Bounds of |f_k+1 - f_k| of each finger in its contact frame, from k = 0."""
+        ca, n = self.ca, self.staying
+        many, held = len(left) - 1, 3 * n
+        shares, rows = ca.SX.sym("share", 2), n + 1
+        now, then = ca.SX.sym("now", held + 2), ca.SX.sym("then", held + 2)
+        gone = ca.vertcat(then[:held], 0, 0)
+        before = self._forces(now, shares[0])
+        fingers = left[:many, None] + STATE + 3 + np.arange(held + 2)
+        end = left[many:, None] + STATE + np.arange(held)
+        pairs = np.column_stack((share[:-1], share[1:]))
+        start = [self.p["start_local"][:, i] for i in range(rows)]
+        jobs = [  # variables, forces before and after, columns, shares
+            (then, start, self._forces(then, shares[1]), fingers[:1], np.array([[1.0, share[0]]])),
+            (
+                ca.vertcat(now, then),
+                before,
+                self._forces(then, shares[1]),
+                np.hstack((fingers[:-1], fingers[1:])),
+                pairs[:-1],
+            ),
+            (
+                ca.vertcat(now, then[:held]),
+                before,
+                self._forces(gone, shares[1]),
+                np.hstack((fingers[-1:], end)),
+                pairs[-1:],
+            ),
+        ]
+        pieces, row = [], first_row
+        for w, old, new, columns, values in jobs:
+            changes = [a - b for a, b in zip(new, old, strict=True)]
+            kept = [self.p["change_max"] ** 2 - ca.dot(change, change) for change in changes]
+            places = row + np.arange(len(columns) * rows).reshape(-1, rows)
+            row += places.size
+            inputs = [w, shares, self.parameters]
+            cost = ca.SX.zeros(1)
+            pieces.append(
+                Piece(
+                    ca,
+                    inputs,
+                    ca.vertcat(*kept),
+                    cost,
+                    columns=columns,
+                    places=places,
+                    shares=values,
+                )
+            )
+        return pieces
+
+    def _forces(self, part: Any, share: Any) -> list[Any]:
+        contacts = self.fingers(part, share, last=False)
+        return [normal * self.ca.vertcat(tau, 1) for tau, normal in contacts]
+
+    def fingers(self, part: Any, share: Any, *, last: bool) -> list[Any]:
         """Split into (tau, f_n) per finger; the leaving one has ``share`` of its first f_n."""
         found = [(part[3 * i : 3 * i + 2], part[3 * i + 2]) for i in range(self.staying)]
-        if share > 0.0:
+        if not last:
             found.append((part[-2:], share * self.p["start_local"][2, -1]))
         return found
-
-    def limit_change(self, program: StageProgram, now: list[Any], then: list[Any]) -> None:
-        """Bound |f_k+1 - f_k| of each finger, in its contact frame."""
-        ca = self.ca
-        for i, (tau, normal) in enumerate(now):
-            change = normal * ca.vertcat(tau, 1)
-            if i < len(then):
-                change -= then[i][1] * ca.vertcat(then[i][0], 1)
-            program.positive(self.p["change_max"] ** 2 - ca.dot(change, change))
 
     def advance(self, state: Any, rates: Any) -> Any:
         """Next state by the Euler steps of Section IV-A, in body rates."""
@@ -216,24 +296,17 @@ class _Stage:
             state[4:] + h * back @ rates,
         )
 
-    def constrain(self, program: StageProgram, state: Any, rates: Any, contacts: list[Any]) -> None:
-        """Dynamics (3), cones (5), bounds (6) and clearance over the table."""
+    def bounds(self, turn: Any, contacts: list[Any]) -> Any:
+        """Cones (5), bounds (6) and clearance over the table, each at least 0."""
         ca, p = self.ca, self.p
-        turn = Attitude.matrix(ca, state[:4])
-        self._dynamics(program, turn, state[4:], rates, contacts)
-        for i, (tau, _) in enumerate(contacts):
-            program.positive_concave(p["friction"][i] ** 2 - ca.dot(tau, tau))
+        rows = [p["friction"][i] ** 2 - ca.dot(tau, tau) for i, (tau, _) in enumerate(contacts)]
         for i in range(self.staying + 1):  # the ramp fixes the leaving finger's
             normal = contacts[i][1]
-            program.positive(normal - p["normal_min"][i])
-            program.positive(p["normal_max"][i] - normal)
-        if p["clear_rise"].shape[0]:
-            rise = p["clear_lever"].T @ turn[2, :].T
-            program.positive(rise - p["clear_rise"])
+            rows += [normal - p["normal_min"][i], p["normal_max"][i] - normal]
+        return ca.vertcat(*rows, p["clear_lever"].T @ turn[2, :].T - p["clear_rise"])
 
-    def _dynamics(
-        self, program: StageProgram, turn: Any, omega: Any, rates: Any, contacts: list[Any]
-    ) -> None:
+    def dynamics(self, turn: Any, omega: Any, rates: Any, contacts: list[Any]) -> Any:
+        """Residuals of (3): moment about the pivot, and force with the table's in the world."""
         ca, p = self.ca, self.p
         arm = -p["pivot_in_tool"]  # from the pivot to the centre of mass
         mass, weight = p["mass"], p["mass"] * (turn.T @ p["gravity"])
@@ -245,16 +318,16 @@ class _Stage:
             moment += ca.cross(p["points"][:, i] + arm, force)
             push += force
         spin = about_pivot @ rates + ca.cross(omega, about_pivot @ omega)
-        # a moment of 1 N m is about 10 N at the length of a handle: rows of like size
-        program.equal(10.0 * (spin - moment))
         rate = ca.cross(rates, arm) + ca.cross(omega, ca.cross(omega, arm))
         tau, normal = contacts[0]
-        program.equal(normal * ca.vertcat(tau, 1) - turn @ (mass * rate - push))
-
-    def residuals(self, rates: Any, contacts: list[Any]) -> Any:
-        """Square roots of the stage's cost h (w_a |s|^2 + w_n sum sin^2)."""
-        ca, weights, h = self.ca, self.p["weights"], self.p["step_s"]
-        sines = [tau / ca.sqrt(1 + ca.dot(tau, tau)) for tau, _ in contacts]
+        # a moment of 1 N m is about 10 N at the length of a handle: rows of like size
         return ca.vertcat(
-            ca.sqrt(weights[1] * h) * rates, ca.sqrt(weights[2] * h) * ca.vertcat(*sines)
+            10.0 * (spin - moment), normal * ca.vertcat(tau, 1) - turn @ (mass * rate - push)
         )
+
+    def cost(self, rates: Any, contacts: list[Any]) -> Any:
+        """Running cost of the stage: h (w_a |s|^2 + w_n sum sin^2)."""
+        ca, weights, h = self.ca, self.p["weights"], self.p["step_s"]
+        slopes = [ca.dot(tau, tau) for tau, _ in contacts]
+        sines = sum(slope / (1 + slope) for slope in slopes)
+        return h * (weights[1] * ca.dot(rates, rates) + weights[2] * sines)

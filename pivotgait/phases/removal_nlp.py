@@ -55,21 +55,17 @@ class RemovalNlp:
     ) -> None:
         import casadi as ca
 
-        program = removal_program(steps, staying, clear_points, rated=rated)
+        scale = SCALE_PER_STEP * steps
+        program = removal_program(steps, staying, clear_points, rated=rated, scale=scale)
         self.steps, self.staying, self.solver = steps, staying, solver
-        self.equality = np.array(program.equality)
-        self.scale = SCALE_PER_STEP * steps
-        residuals = np.sqrt(self.scale) * ca.vertcat(*program.residuals)
-        objective, constraints = ca.cse(
-            [ca.dot(residuals, residuals), ca.vertcat(*program.constraints)]
-        )
+        self.scale, self.equality = scale, np.array(program.nlp.equality)
         nlp = {
-            "x": ca.vertcat(*program.variables),
-            "f": objective,
-            "g": constraints,
-            "p": program.parameters,
+            "x": program.nlp.variables,
+            "f": program.nlp.objective,
+            "g": program.nlp.constraints,
+            "p": program.nlp.parameters,
         }
-        self._bounds = {"lbg": ca.DM(program.lower), "ubg": ca.DM(program.upper)}
+        self._bounds = {"lbg": 0.0, "ubg": ca.DM(program.nlp.upper)}
         options: dict[str, Any] = {"print_time": False, "error_on_fail": False}
         if solver == "fatrop":
             options |= {
@@ -78,11 +74,16 @@ class RemovalNlp:
                 "nx": program.states,
                 "nu": program.controls,
                 "ng": program.path_rows,
-                "equality": program.equality,
+                "equality": program.nlp.equality,
+                "cache": {
+                    "nlp_grad_f": program.nlp.ascent,
+                    "nlp_jac_g": program.nlp.slopes,
+                    "nlp_hess_l": program.nlp.curvature,
+                },
                 "fatrop.print_level": 0,
-                "fatrop.tol": 1e-8,
+                # of the scaled problem: below it FATROP often stalls at the level of rounding
+                "fatrop.tol": 1e-7,
                 "fatrop.max_iter": 150,
-                "cache": {"nlp_hess_l": _gauss_newton(nlp, residuals, program.concave)},
             }
             if warm:
                 options["fatrop.mu_init"] = 1e-5
@@ -93,6 +94,8 @@ class RemovalNlp:
                 "ipopt.tol": 1e-8,
                 "ipopt.constr_viol_tol": 1e-9,
                 "ipopt.max_iter": 500,
+                "jac_g": program.nlp.slopes,
+                "hess_lag": program.nlp.upper_curvature(ca),
             }
             if warm:
                 options |= {"ipopt.warm_start_init_point": "yes", "ipopt.mu_init": 1e-5}
@@ -205,31 +208,6 @@ class RemovalNlp:
             kkt_residual=residual,
             multipliers=(dual,),
         )
-
-
-def _gauss_newton(nlp: dict[str, Any], residuals: Any, concave: list[int]) -> Any:
-    """CasADi function of the Lagrangian's gradient and its Gauss-Newton Hessian.
-
-    The Hessian keeps the squares of the residuals' Jacobian and the curvature of the concave
-    constraints, whose multipliers have the right sign: positive semidefinite, so that FATROP
-    need not regularise, and a third of the exact one's cost. The curvature of the dynamics is
-    dropped; the gradient is exact, and so is the answer.
-    """
-    import casadi as ca
-
-    x, p, g = nlp["x"], nlp["p"], nlp["g"]
-    of_cost, of_rows = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", g.shape[0])
-    jacobian = ca.jacobian(residuals, x)
-    pressed = ca.dot(of_rows[concave], g[concave])
-    gradient = 2 * of_cost * (jacobian.T @ residuals) + ca.jtimes(g, x, of_rows, True)
-    hessian = 2 * of_cost * (jacobian.T @ jacobian) + ca.hessian(pressed, x)[0]
-    return ca.Function(
-        "nlp_hess_l",
-        [x, p, of_cost, of_rows],
-        ca.cse([gradient, hessian]),
-        ["x", "p", "lam_f", "lam_g"],
-        ["grad_gamma_x", "hess_gamma_x_x"],
-    )
 
 
 @lru_cache(maxsize=24)

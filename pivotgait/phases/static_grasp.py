@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from pivotgait.phases.removal_model import INF, PARAMETERS, Attitude
+from pivotgait.phases.removal_model import PARAMETERS, Attitude
 from pivotgait.phases.removal_nlp import pack
 from pivotgait.phases.removal_problem import RemovalProblem
 
@@ -56,7 +56,7 @@ def smallest_turn(problem: RemovalProblem) -> StaticTurn:
     solver = _turn_program(problem.staying, len(problem.clear_rise))
     parameters = pack(problem)
     best: StaticTurn | None = None
-    nearest = INF
+    nearest = np.inf
     for turn in _starts():
         start = Rotation.from_quat(problem.orientation) * Rotation.from_rotvec(turn)
         answer = solver.solve(parameters, start.as_quat(), problem)
@@ -106,7 +106,7 @@ class _TurnProgram:
             rows += [cone, push[2] - p["normal_min"][i], p["normal_max"][i] - push[2]]
         rows.append(p["clear_lever"].T @ turn[2, :].T - p["clear_rise"])
         inequalities = 3 * (staying + 1) + clear_points
-        lower, upper = lower + [0.0] * inequalities, upper + [INF] * inequalities
+        lower, upper = lower + [0.0] * inequalities, upper + [np.inf] * inequalities
         inner = ca.dot(q, p["orientation"])
         nlp = {
             "x": ca.vertcat(q, table, *pushes),

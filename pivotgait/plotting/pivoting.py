@@ -109,7 +109,7 @@ def pivoting_maps(
         moved: the finger whose place is varied.
     """
     figure = new_figure(PAGE_WIDTH, 4.7)
-    axes = figure.subplots(2, 3, width_ratios=(1.0, 1.0, 0.95))
+    axes = figure.subplots(3, 3, width_ratios=(1.0, 1.0, 0.95), height_ratios=(1.0, 1.0, 0.05))
     share_top = 5.0 * np.ceil(20.0 * _largest([each.share for each in maps]))
     turn_top = 10.0 * np.ceil(_largest([each.needed_deg for each in maps]) / 10.0)
     for row, each in enumerate(maps):
@@ -126,9 +126,10 @@ def pivoting_maps(
     axes[0, 0].set_title(f"tool at rest: {leaving} unloads no further\nthan this [% of its force]")
     axes[0, 1].set_title(f"pivoting needed to\nremove {leaving} [deg]")
     for mesh, column in ((first, 0), (second, 1)):
-        bar = figure.colorbar(mesh, ax=axes[:, column], location="bottom", aspect=35, pad=0.02)
+        bar = figure.colorbar(mesh, cax=axes[2, column], orientation="horizontal")
         bar.locator = MaxNLocator(6)
         bar.update_ticks()
+    axes[2, 2].axis("off")
     _draw_lines(axes[0, 2], lines, FINGER_COLOURS.get(moved, LIMIT_COLOUR))
     axes[0, 2].set_title(f"pivoting for {moved}\nat {lines[-1].label} and beside it")
     _draw_section(axes[1, 2], section, moved)

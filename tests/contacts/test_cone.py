@@ -129,6 +129,11 @@ def test_friction_margin_of_special_forces() -> None:
     np.testing.assert_allclose(friction_margin(rows, UP, 0.5), expected, atol=1e-15)
 
 
+def test_friction_margin_of_next_to_no_normal_force_is_minus_infinity() -> None:
+    # the quotient overflows; it did with a warning, which is an error in this suite
+    assert friction_margin(np.array([0.0, 2.0, 1e-308]), UP, 1.0) == -np.inf
+
+
 def test_margins_broadcast_over_samples_and_contacts() -> None:
     rng = np.random.default_rng(2)
     force, friction = rng.normal(size=(7, 3, 3)), np.array([0.3, 0.5, 0.8])

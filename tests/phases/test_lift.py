@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import simpson
 from scipy.spatial.transform import Rotation
 
 from pivotgait.exceptions import InfeasibleError
 from pivotgait.phases.grasp import Grasp
 from pivotgait.phases.lift import LiftOptions, plan_lift
+from pivotgait.phases.timing import Profile
 from pivotgait.plans import Phase
 
 Fixture = Callable[..., Any]
@@ -68,6 +70,20 @@ def test_handle_rises_and_stays_over_the_table(
 
 
 @SCENES
+def test_fingers_alone_do_the_work(moment: Fixture, planned: Fixture, name: str) -> None:
+    (phase, _), body = planned(name, 0), moment(name, 0).setting.body
+    motion, power = phase.tool, np.zeros(len(phase.time))
+    for track in phase.contacts.values():
+        lever = track.world_point(motion) - motion.position
+        velocity = motion.linear_velocity + np.cross(motion.angular_velocity, lever)
+        if not track.is_pivot:
+            power += np.sum(track.force * velocity, axis=1)
+    rise = motion.position[-1] - motion.position[0]
+    # Simpson over 75 steps of a C2 motion that starts and ends at rest: 1e-5 of the work
+    assert simpson(power, x=phase.time) == pytest.approx(-body.mass * body.gravity @ rise, rel=1e-5)
+
+
+@SCENES
 def test_quintic_lift_keeps_the_rate_of_force(moment: Fixture, planned: Fixture, name: str) -> None:
     phase, _ = planned(name, 0)
     assert largest_rate(phase) <= moment(name, 0).setting.scene.allocation.force_rate_max_N_s
@@ -102,7 +118,7 @@ def test_forces_jump_exactly_where_a_trapezoidal_lift_changes_its_acceleration(
 
 
 @PROFILES
-def test_nothing_moves_when_the_tool_is_there_already(moment: Fixture, profile: str) -> None:
+def test_nothing_moves_when_the_tool_is_there_already(moment: Fixture, profile: Profile) -> None:
     before = moment("knife", 0, edit(profile))
     scene = before.setting.scene
     fingers = {scene.contacts[each].finger: scene.contacts[each] for each in before.config.contacts}
