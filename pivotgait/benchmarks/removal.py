@@ -119,14 +119,16 @@ class BareNlp:
     ) -> None:
         import casadi as ca
 
-        program = removal_program(steps, staying, clear_points, rated=False)
+        scale = SCALE_PER_STEP * steps
+        program = removal_program(steps, staying, clear_points, rated=False, scale=scale)
         nlp = {
-            "x": program.variables,
-            "f": SCALE_PER_STEP * steps * program.objective,
-            "g": program.constraints,
-            "p": program.parameters,
+            "x": program.nlp.variables,
+            "f": program.nlp.objective,
+            "g": program.nlp.constraints,
+            "p": program.nlp.parameters,
         }
-        options: dict[str, Any] = {"print_time": False, f"{solver}.print_level": 0}
+        # expanded to scalar operations, which is CasADi's fastest way without our stage blocks
+        options: dict[str, Any] = {"print_time": False, "expand": True, f"{solver}.print_level": 0}
         options |= {f"{solver}.tol": 1e-8, f"{solver}.max_iter": 500}
         if solver == "fatrop":
             options |= {
@@ -135,7 +137,7 @@ class BareNlp:
                 "nx": program.states,
                 "nu": program.controls,
                 "ng": program.path_rows,
-                "equality": program.equality,
+                "equality": program.nlp.equality,
             }
         else:
             options["ipopt.sb"] = "yes"
@@ -145,11 +147,11 @@ class BareNlp:
                 options["ipopt.warm_start_init_point"] = "yes"
         self._nlpsol = ca.nlpsol("bare", solver, nlp, options)
         self._start = removal_nlp(steps, staying, clear_points).guess
-        self._bounds = {"lbg": 0.0, "ubg": ca.DM(program.upper)}
+        self._bounds: dict[str, Any] = {"lbg": 0.0, "ubg": ca.DM(program.nlp.upper)}
 
     def __call__(self, problem: RemovalProblem, answer: Any = None) -> Any:
         """Solve, from the common start or from an earlier answer; returns CasADi's answer."""
-        start = (
+        start: dict[str, Any] = (
             {"x0": self._start(problem, None)}
             if answer is None
             else {"x0": answer["x"], "lam_g0": answer["lam_g"], "lam_x0": answer["lam_x"]}

@@ -36,6 +36,12 @@ class PivotingTool:
         for name in ("inertia", "pivot_in_tool", "pivot", "gravity"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
+    @property
+    def inertia_about_pivot(self) -> Array:
+        """(3, 3) inertia about the pivot, tool axes [kg m^2] (parallel axes)."""
+        arm = self.pivot_in_tool
+        return np.asarray(self.inertia + self.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm)))
+
 
 def pivot_motion(
     tool: PivotingTool,

@@ -82,7 +82,14 @@ def plan_removal(
             where=name,
             mend="more friction or finger force, or other contact places",
         )
-    solution = _clear_of_table(setting, problem, options)
+    try:
+        solution = _clear_of_table(setting, problem, options)
+    except SolverError as error:
+        raise SolverError(
+            f"{error.what}; at rest the others need a turn of {np.degrees(need.angle):.1f} deg",
+            where=name,
+            mend=error.mend,
+        ) from error
     motion = solution.motion(setting.body)
     contacts = {PIVOT: setting.pivot_track(solution.force[:, 0])}
     for place, contact in enumerate([*staying, leaving], start=1):
@@ -202,14 +209,24 @@ def _solve(
 ) -> RemovalSolution:
     if solver == "socp":
         return solve_removal_by_socps(problem, guess)
-    if solver == "ipopt" or not problem.rated:
+    if solver == "ipopt":
         return solve_removal(problem, solver=solver, guess=guess)
+    if not problem.rated:
+        return _fatrop_or_ipopt(problem, guess)
     # FATROP has no rows between stages: it solves without the rate, and if the answer keeps the
     # rate it is the optimum with it too, having had fewer constraints
-    free = solve_removal(replace(problem, force_rate_max=np.inf), guess=guess)
+    free = _fatrop_or_ipopt(replace(problem, force_rate_max=np.inf), guess)
     if free.largest_rate(problem) <= problem.force_rate_max:
         return free
     return solve_removal(problem, solver="ipopt", guess=replace(free, multipliers=None))
+
+
+def _fatrop_or_ipopt(problem: RemovalProblem, guess: RemovalSolution | None) -> RemovalSolution:
+    """FATROP, and where it stalls (very low friction) the slower IPOPT."""
+    try:
+        return solve_removal(problem, guess=guess)
+    except SolverError:
+        return solve_removal(problem, solver="ipopt", guess=guess)
 
 
 def _rounds(steps: int, least: int = 8) -> list[int]:

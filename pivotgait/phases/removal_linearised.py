@@ -69,9 +69,7 @@ def dynamics(problem: RemovalProblem, trajectory: Trajectory) -> Dynamics:
     omega, sigma = trajectory.omega, trajectory.sigma
     arm = -(turn @ body.pivot_in_tool)
     cross_arm, cross_omega, cross_sigma = skew(arm), skew(omega), skew(sigma)
-    inner = -body.pivot_in_tool
-    about_pivot = body.inertia + body.mass * (inner @ inner * np.eye(3) - np.outer(inner, inner))
-    inertia = world_inertia(about_pivot, Rotation.from_matrix(turn))
+    inertia = world_inertia(body.inertia_about_pivot, Rotation.from_matrix(turn))
     weight = body.mass * body.gravity
 
     frames = np.einsum("kij,mjl->kmil", turn, problem.frames)

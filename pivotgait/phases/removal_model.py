@@ -36,11 +36,11 @@ PARAMETERS: dict[str, Callable[[int, int], tuple[int, int]]] = {
     "orientation": lambda n, p: (4, 1),
     "step_s": lambda n, p: (1, 1),
     "mass": lambda n, p: (1, 1),
-    "inertia": lambda n, p: (3, 3),
-    "pivot_in_tool": lambda n, p: (3, 1),
-    "gravity": lambda n, p: (3, 1),
-    "points": lambda n, p: (3, n + 1),
-    "frames": lambda n, p: (9, n + 1),
+    "weight": lambda n, p: (3, 1),  # m g, world
+    "arm": lambda n, p: (3, 1),  # from the pivot to the centre of mass
+    "about_pivot": lambda n, p: (3, 3),  # inertia
+    "frames": lambda n, p: (9, n + 1),  # contact frames
+    "moments": lambda n, p: (9, n + 1),  # [lever]x times contact frames
     "friction": lambda n, p: (n + 2, 1),
     "normal_min": lambda n, p: (n + 2, 1),
     "normal_max": lambda n, p: (n + 2, 1),
@@ -78,12 +78,12 @@ class Attitude:
     def exponential(ca: Any, turn: Any) -> Any:
         """Quaternion of a rotation vector, as a series in its squared half angle y.
 
-        Smooth at 0, where omega starts and ends; truncated at 2e-16 for y <= 0.04, that is for
+        Smooth at 0, where omega starts and ends; truncated at 3e-14 for y <= 0.04, that is for
         steps below 23 degrees, which :func:`pivotgait.phases.removal` checks.
         """
         y = ca.dot(turn, turn) / 4
-        sinc = 1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72 * (1 - y / 110))))
-        cosine = 1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56 * (1 - y / 90))))
+        sinc = 1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72)))
+        cosine = 1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56)))
         return ca.vertcat(sinc * turn / 2, cosine)
 
 
@@ -203,7 +203,7 @@ class _Stage:
         cost = self.cost(rates, contacts)
         return _Expressions(
             inputs=[ca.vertcat(x, u), share, self.parameters],
-            rows=ca.vertcat(flow, equations, self.bounds(turn, contacts)),
+            rows=ca.cse(ca.vertcat(flow, equations, self.bounds(turn, contacts))),
             cost=cost + self.turn(x[:4]) if last else cost,
             equal=flow.shape[0] + equations.shape[0],
         )
@@ -211,9 +211,7 @@ class _Stage:
     def offset(self, rows: int) -> Any:
         """Function of the parameters: the start's place (r_0, 0) in a vector of constraints."""
         ca = self.ca
-        start = ca.vertcat(
-            ca.SX.zeros(STATE), self.p["orientation"], ca.SX.zeros(rows - STATE - 4)
-        )
+        start = ca.vertcat(ca.SX.zeros(STATE), self.p["orientation"], ca.SX.zeros(rows - STATE - 4))
         return ca.Function("offset", [self.parameters], [start])
 
     def turn(self, orientation: Any) -> Any:
@@ -308,21 +306,18 @@ class _Stage:
     def dynamics(self, turn: Any, omega: Any, rates: Any, contacts: list[Any]) -> Any:
         """Residuals of (3): moment about the pivot, and force with the table's in the world."""
         ca, p = self.ca, self.p
-        arm = -p["pivot_in_tool"]  # from the pivot to the centre of mass
-        mass, weight = p["mass"], p["mass"] * (turn.T @ p["gravity"])
-        about_pivot = p["inertia"] + mass * (ca.dot(arm, arm) * ca.SX.eye(3) - arm @ arm.T)
-        moment, push = ca.cross(arm, weight), weight
+        weight = turn.T @ p["weight"]
+        moment, push = ca.cross(p["arm"], weight), weight
         for i, (tau, normal) in enumerate(contacts[1:]):
-            frame = ca.reshape(p["frames"][:, i], 3, 3)
-            force = normal * (frame @ ca.vertcat(tau, 1))
-            moment += ca.cross(p["points"][:, i] + arm, force)
-            push += force
-        spin = about_pivot @ rates + ca.cross(omega, about_pivot @ omega)
-        rate = ca.cross(rates, arm) + ca.cross(omega, ca.cross(omega, arm))
+            ray = ca.vertcat(tau, 1)
+            moment += normal * (ca.reshape(p["moments"][:, i], 3, 3) @ ray)
+            push += normal * (ca.reshape(p["frames"][:, i], 3, 3) @ ray)
+        spin = p["about_pivot"] @ rates + ca.cross(omega, p["about_pivot"] @ omega)
+        rate = ca.cross(rates, p["arm"]) + ca.cross(omega, ca.cross(omega, p["arm"]))
         tau, normal = contacts[0]
         # a moment of 1 N m is about 10 N at the length of a handle: rows of like size
         return ca.vertcat(
-            10.0 * (spin - moment), normal * ca.vertcat(tau, 1) - turn @ (mass * rate - push)
+            10.0 * (spin - moment), normal * ca.vertcat(tau, 1) - turn @ (p["mass"] * rate - push)
         )
 
     def cost(self, rates: Any, contacts: list[Any]) -> Any:

@@ -101,6 +101,12 @@ def solve_removal_by_socps(
             where="removal",
             mend="give more time or steps, more friction, or a smaller starting force",
         )
+    if optimality > 1e-5:
+        raise SolverError(
+            f"successive cone programs came no nearer to an optimum than {optimality:.1e}",
+            where="removal",
+            mend="try the solver ipopt",
+        )
     return _solution(problem, trajectory, state, rounds, max(optimality, miss))
 
 

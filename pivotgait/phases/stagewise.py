@@ -17,6 +17,9 @@ from scipy import sparse
 
 Index = NDArray[np.intp]
 INF = float("inf")
+BLOCK = 16
+"""Repetitions unrolled into one compiled block: enough to share its loading of parameters, few
+enough to stay in the processor's cache."""
 
 
 class Piece:
@@ -58,7 +61,27 @@ class Piece:
         self.curvature = self._mapped(ca, "curvature", [*inputs, of_cost, of_rows], outputs)
 
     def _mapped(self, ca: Any, name: str, inputs: list[Any], outputs: list[Any]) -> Any:
-        return ca.Function(name, inputs, ca.cse(outputs)).map(len(self.columns))
+        """One call for all repetitions; parameters and the cost's weight are the same in each."""
+        function, shared = ca.Function(name, inputs, ca.cse(outputs)), [2, 3][: len(inputs) - 2]
+        whole, left = divmod(len(self.columns), BLOCK)
+        symbols = [
+            ca.MX.sym(f"i{k}", symbol.shape[0], 1 if k in shared else len(self.columns))
+            for k, symbol in enumerate(inputs)
+        ]
+        values: list[list[Any]] = []
+        for count, times, first in ((BLOCK, whole, 0), (left, 1, whole * BLOCK)):
+            if count and times:
+                flat = function.map(name, "serial", count, shared, []).expand()
+                last = first + count * times
+                given = [
+                    symbol if k in shared else symbol[:, first:last]
+                    for k, symbol in enumerate(symbols)
+                ]
+                found = flat.map(name, "serial", times, shared, [])(*given)
+                values.append(list(found) if isinstance(found, tuple) else [found])
+        return ca.Function(
+            name, symbols, [ca.horzcat(*parts) for parts in zip(*values, strict=True)]
+        )
 
     def w(self, ca: Any, v: Any) -> Any:
         """(n, m) the variables of every repetition."""
@@ -97,7 +120,11 @@ class Program:
         hessian = self.curvature(x, p, of_cost, of_rows)[1]
         names = ["x", "p", "lam_f", "lam_g"]
         return ca.Function(
-            "nlp_hess_l", [x, p, of_cost, of_rows], [ca.triu(hessian)], names, ["triu_hess_gamma_x_x"]
+            "nlp_hess_l",
+            [x, p, of_cost, of_rows],
+            [ca.triu(hessian)],
+            names,
+            ["triu_hess_gamma_x_x"],
         )
 
 
@@ -155,7 +182,9 @@ def assemble(
         objective=objective,
         constraints=constraints,
         ascent=ca.Function("nlp_grad_f", [v, p], [ascent], names[:2], ["grad_f_x"]),
-        slopes=ca.Function("nlp_jac_g", [v, p], [constraints, jacobian], names[:2], ["g", "jac_g_x"]),
+        slopes=ca.Function(
+            "nlp_jac_g", [v, p], [constraints, jacobian], names[:2], ["g", "jac_g_x"]
+        ),
         curvature=ca.Function(
             "nlp_hess_l", [v, p, of_cost, of_rows], [gradient, hessian], names, outputs
         ),
@@ -194,6 +223,8 @@ def _sparse(ca: Any, shape: tuple[int, int], parts: list[tuple[Index, Index, Any
     places, where = np.unique(columns * shape[0] + rows, return_inverse=True)
     at = (places % shape[0]).tolist(), (places // shape[0]).tolist()
     pattern = ca.Sparsity.triplet(*shape, *at)
+    if len(places) == len(where):  # nothing to add up: only reorder
+        return ca.MX(pattern, nonzeros[np.argsort(where).tolist()])
     ones, entries = np.ones(len(where)), np.arange(len(where))
     adding = sparse.csc_matrix((ones, (where, entries)), shape=(len(places), len(where)))
     return ca.MX(pattern, _constant(ca, adding) @ nonzeros)

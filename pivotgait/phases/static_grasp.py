@@ -94,12 +94,11 @@ class _TurnProgram:
         q, table = ca.SX.sym("q", 4), ca.SX.sym("f0", 3)
         pushes = [ca.SX.sym(f"f{i}", 3) for i in range(1, staying + 1)]  # contact frames
         turn = Attitude.matrix(ca, q)
-        weight = p["mass"] * (turn.T @ p["gravity"])
-        forces, moment = weight + turn.T @ table, -ca.cross(p["pivot_in_tool"], weight)
+        weight = turn.T @ p["weight"]
+        forces, moment = weight + turn.T @ table, ca.cross(p["arm"], weight)
         for i, push in enumerate(pushes):
-            inside = ca.reshape(p["frames"][:, i], 3, 3) @ push
-            forces += inside
-            moment += ca.cross(p["points"][:, i] - p["pivot_in_tool"], inside)
+            forces += ca.reshape(p["frames"][:, i], 3, 3) @ push
+            moment += ca.reshape(p["moments"][:, i], 3, 3) @ push
         rows, lower, upper = [ca.dot(q, q) - 1, forces, 10.0 * moment], [0.0] * 7, [0.0] * 7
         for i, push in enumerate([table, *pushes]):
             cone = (p["friction"][i] * push[2]) ** 2 - push[0] ** 2 - push[1] ** 2

@@ -98,7 +98,7 @@ def test_left_jacobian_matches_differences_also_near_zero(scale: float) -> None:
 
 def test_slope_squared_is_the_squared_sine_and_its_derivative_is_exact() -> None:
     rng = np.random.default_rng(6)
-    force = rng.normal(size=(20, 3)) + [0.0, 0.0, 2.0]
+    force = rng.normal(size=(20, 3)) + np.array([0.0, 0.0, 2.0])
     rho, derivative = slope(force)
     sine = 1.0 - (force[:, 2] / np.linalg.norm(force, axis=1)) ** 2
     np.testing.assert_allclose(np.sum(rho**2, axis=1), sine, atol=1e-14)
