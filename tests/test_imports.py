@@ -15,7 +15,8 @@ import pivotgait
 
 PACKAGE = Path(pivotgait.__file__).parent
 LAYERS = (
-    "exceptions", "frozen",
+    "exceptions",
+    "frozen",
     "models",
     "plans",
     "contacts",
@@ -40,7 +41,14 @@ LAYERS = (
     "__main__",
 )
 """From top to bottom; a layer may import itself and what stands before it."""
-CERTIFICATION_MAY_IMPORT = {"certification", "exceptions", "frozen", "models", "plans", "kinematics"}
+CERTIFICATION_MAY_IMPORT = {
+    "certification",
+    "exceptions",
+    "frozen",
+    "models",
+    "plans",
+    "kinematics",
+}
 SOLVERS = {"casadi", "clarabel", "cvxpy", "proxsuite", "osqp", "scs"}
 SOLVER_LAYERS = {"forces", "phases", "benchmarks"}
 SIMULATORS = {"pybullet", "pybullet_data", "pybullet_utils", "mujoco"}

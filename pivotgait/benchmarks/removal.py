@@ -16,7 +16,7 @@ from pivotgait.models import AdditionPhase, LiftPhase, Scene, load_scene
 from pivotgait.phases.addition import AdditionOptions, plan_addition
 from pivotgait.phases.grasp import Grasp, Setting
 from pivotgait.phases.lift import LiftOptions, plan_lift
-from pivotgait.phases.removal import RemovalOptions, removal_problem
+from pivotgait.phases.removal import RemovalOptions, removal_problem, solve_with
 from pivotgait.phases.removal_model import removal_program
 from pivotgait.phases.removal_nlp import (
     SCALE_PER_STEP,
@@ -107,6 +107,8 @@ def removal_rows(quick: bool = False) -> list[dict[str, Any]]:
             for each, near in zip(changed, answers, strict=True)
         ]
         rows.append(_row(f"{name}, warm", warm, label, other, build))
+    doubled = [_median(partial(solve_with, each, "fatrop", doubling=True), 1) for each in problems]
+    rows.append(_row(f"{name}, direct", cold, "the paper's doubling, from K = 8", doubled, None))
     rows.append(_growth(repeats, quick))
     return rows
 
@@ -181,7 +183,7 @@ def _growth(repeats: int, quick: bool) -> dict[str, Any]:
     }
 
 
-def _row(name: str, ours: list[float], peer: str, other: list[float], build: float) -> Any:
+def _row(name: str, ours: list[float], peer: str, other: list[float], build: float | None) -> Any:
     return {
         "name": name,
         "ours_s": float(np.median(ours)),

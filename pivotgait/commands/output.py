@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -46,9 +47,22 @@ class Output:
         """
         if self.json:
             return
-        table = Table(title=escape(title), title_justify="left", header_style="bold")
+        table = Table(
+            title=escape(title),
+            title_justify="left",
+            header_style="bold",
+            box=box.SIMPLE_HEAD,
+            padding=(0, 1, 0, 0),
+        )
         for heading, side in columns:
-            table.add_column(escape(heading), justify="right" if side == "right" else "left")
+            # what is read from the right (numbers) must not be cut
+            right = side == "right"
+            table.add_column(
+                escape(heading),
+                justify="right" if right else "left",
+                no_wrap=right,
+                overflow="fold",
+            )
         for row in rows:
             table.add_row(*row)
         self.out.print(table)

@@ -100,7 +100,7 @@ def show_phases(planned: Planned, out: Output) -> None:
                 f"{phase['duration_s']:.2f} s",
                 f"{1e3 * phase['plan_time_s']:.0f} ms",
                 "-" if margin is None else f"{margin:.3f}",
-                f"{phase['reorientation_deg']:.2f} deg",
+                f"{phase['reorientation_deg']:.1f} deg",
                 phase["solver"],
             )
         )
@@ -108,9 +108,9 @@ def show_phases(planned: Planned, out: Output) -> None:
         ("phase", "left"),
         ("finger", "left"),
         ("duration", "right"),
-        ("planned in", "right"),
-        ("least friction margin", "right"),
-        ("reorientation", "right"),
+        ("planned", "right"),
+        ("margin", "right"),
+        ("turn", "right"),
         ("solver", "left"),
     ]
     out.table(f"{planned.summary['scene']}: {planned.summary['plan']}", columns, rows)
