@@ -39,5 +39,6 @@ def report_from_folder(folder: Path) -> Path:
         plan.certificate,
         figures,
         plan_times=summary.plan_times,
+        notes=summary.notes,
         validations=summary.validations,
     )

@@ -64,6 +64,7 @@ def write_report(
     figures: Mapping[str, Picture],
     *,
     plan_times: Mapping[str, float] = MappingProxyType({}),
+    notes: Mapping[str, str] = MappingProxyType({}),
     validations: Sequence[Trials] = (),
 ) -> Path:
     """Write ``report.html`` into ``folder``, whole or not at all.
@@ -74,6 +75,7 @@ def write_report(
         certificate: as ``pivotgait certify --json`` gives it, None if the plan has none.
         figures: by name; ``hero`` opens the page, those of a phase stand with it.
         plan_times: phase's name -> time to plan it [s].
+        notes: phase's name -> a sentence about its making.
         validations: closed-loop trials, one entry for each simulator and controller.
 
     Returns:
@@ -82,7 +84,9 @@ def write_report(
     Raises:
         InputError: if the folder cannot be written.
     """
-    text = render_report(plan, certificate, figures, plan_times=plan_times, validations=validations)
+    text = render_report(
+        plan, certificate, figures, plan_times=plan_times, notes=notes, validations=validations
+    )
     path = folder / "report.html"
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -100,6 +104,7 @@ def render_report(
     figures: Mapping[str, Picture],
     *,
     plan_times: Mapping[str, float] = MappingProxyType({}),
+    notes: Mapping[str, str] = MappingProxyType({}),
     validations: Sequence[Trials] = (),
 ) -> str:
     """The page's HTML; arguments as :func:`write_report`."""
@@ -122,6 +127,7 @@ def render_report(
         phases=phase_rows(plan, plan_times),
         checks=check_rows(found),
         violations=violation_rows(found),
+        notes=notes,
         validations=validations,
         hero=figures.get("hero"),
         gait_figures=[f for name, f in figures.items() if not f.phase and name != "hero"],

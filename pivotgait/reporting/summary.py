@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import BaseModel, FiniteFloat, ValidationError
 
 from pivotgait.exceptions import InputError
+from pivotgait.reporting.numbers import number, quantity
 
 
 class PhaseSummary(BaseModel):
@@ -16,6 +17,30 @@ class PhaseSummary(BaseModel):
 
     name: str
     plan_time_s: FiniteFloat | None = None
+    reorientation_deg: FiniteFloat | None = None
+    solver: str = ""
+    iterations: int | None = None
+    kkt_residual: FiniteFloat | None = None
+    smallest_static_turn_deg: FiniteFloat | None = None
+    static_without_turning: bool | None = None
+
+    @property
+    def note(self) -> str:
+        """What the solver says of a removal: whether the turn was needed, and its optimality."""
+        if self.smallest_static_turn_deg is None or self.static_without_turning is None:
+            return ""
+        need = (
+            "The other contacts could hold the tool at rest without turning it."
+            if self.static_without_turning
+            else "Without turning, the other contacts cannot hold the tool at rest: they need at "
+            f"least {self.smallest_static_turn_deg:.2f}°."
+        )
+        turned = quantity(self.reorientation_deg, "°").replace("\N{NO-BREAK SPACE}°", "°")
+        return (
+            f"{need} The plan turns it by {turned}. Solved by {self.solver} in "
+            f"{self.iterations} iterations; the conditions of local optimality hold to "
+            f"{number(self.kkt_residual, 2)}."
+        )
 
 
 class Stage(BaseModel):
@@ -52,6 +77,11 @@ class Summary(BaseModel):
         """Phase's name -> time to plan it [s]."""
         times = {phase.name: phase.plan_time_s for phase in self.phases}
         return {name: time for name, time in times.items() if time is not None}
+
+    @property
+    def notes(self) -> Mapping[str, str]:
+        """Phase's name -> a sentence or two about its making."""
+        return {phase.name: phase.note for phase in self.phases if phase.note}
 
 
 def read_summary(path: Path) -> Summary:

@@ -8,6 +8,7 @@ import pytest
 from pivotgait.exceptions import InputError, PlanFileError
 from pivotgait.plans import write_plan
 from pivotgait.reporting import report_from_folder
+from pivotgait.reporting.summary import PhaseSummary
 
 
 @pytest.fixture(scope="module")
@@ -65,3 +66,21 @@ def test_a_broken_summary_is_bad_input_and_nothing_is_drawn(summary, plan, tmp_p
         report_from_folder(tmp_path)
     assert not (tmp_path / "report.html").exists()
     assert not (tmp_path / "figures").exists()
+
+
+def test_a_removal_is_reported_with_its_need_to_turn_and_its_optimality() -> None:
+    found = {
+        "name": "02_removal",
+        "reorientation_deg": 9.34,
+        "solver": "fatrop",
+        "iterations": 21,
+        "kkt_residual": 1e-8,
+        "smallest_static_turn_deg": 9.3399,
+        "static_without_turning": False,
+    }
+    note = PhaseSummary.model_validate(found).note
+    for part in ("cannot hold", "9.34°", "fatrop", "21 iterations", "10⁻⁸"):
+        assert part in note
+    still = PhaseSummary.model_validate({**found, "static_without_turning": True}).note
+    assert "could hold" in still
+    assert PhaseSummary(name="00_lift").note == ""
