@@ -37,7 +37,7 @@ from scipy.spatial.transform import Rotation
 
 from pivotgait.contacts import grasp_map
 from pivotgait.dynamics import pivot_motion
-from pivotgait.exceptions import SceneError, SolverError
+from pivotgait.exceptions import InfeasibleError, SceneError, SolverError
 from pivotgait.forces import AllocationProblem, allocate
 from pivotgait.models import (
     AdditionPhase,
@@ -49,7 +49,8 @@ from pivotgait.models import (
 )
 from pivotgait.phases.allocation import allocation_problem
 from pivotgait.phases.grasp import Grasp, Setting
-from pivotgait.phases.removal import RemovalOptions, removal_problem, solve_with
+from pivotgait.phases.removal import RemovalOptions, removal_problem
+from pivotgait.phases.removal_solving import solve_with
 from pivotgait.phases.removal_problem import RemovalProblem, RemovalWeights
 from pivotgait.phases.static_grasp import smallest_turn
 from pivotgait.plans import PIVOT
@@ -87,7 +88,7 @@ class Situation:
         staying: contacts that stay.
         leaving: the contact that leaves.
         moved: name of the staying contact whose place is varied.
-        removal: the phase as the scene has it.
+        options: of the removal, as the scene has them.
     """
 
     setting: Setting
@@ -95,7 +96,7 @@ class Situation:
     staying: tuple[HandleContact, ...]
     leaving: HandleContact
     moved: str
-    removal: RemovalPhase
+    options: RemovalOptions
 
     @classmethod
     def of(cls, scene: Scene) -> Situation:
@@ -113,7 +114,9 @@ class Situation:
                 staying = [name for name in held if name != phase.contact]
                 contacts = tuple(scene.contacts[name] for name in staying)
                 leaving = scene.contacts[phase.contact]
-                return cls(Setting.of(exact), rotation, contacts, leaving, staying[-1], phase)
+                weights = RemovalWeights(**phase.weights.model_dump())
+                options = RemovalOptions(phase.duration_s, phase.steps, weights)
+                return cls(Setting.of(exact), rotation, contacts, leaving, staying[-1], options)
         raise SceneError("the gait removes no finger", where=f"scene {scene.name}")
 
     @property
@@ -189,51 +192,43 @@ def solve_cell(situation: Situation, friction: float, along_m: float, around_deg
         fingers = situation.fingers(friction, along_m, around_deg)
     except SceneError as error:
         return cell("no place", message=str(error))
-    grasp = situation.static(Rotation.identity(1), fingers)
-    start = allocate(grasp)
+    static = situation.static(Rotation.identity(1), fingers)
+    start = allocate(static)
     if not start.feasible[0]:
         return cell("no start", message="all fingers together cannot hold the tool")
-    least = least_force(grasp)
-    problem = starting_problem(situation, fingers, start.force[0])
-    need = smallest_turn(problem)
+    least = least_force(static)
+    names = (PIVOT, *(each.finger for each in fingers))
+    grasp = Grasp(
+        situation.rotation,
+        {each.finger: each for each in fingers},
+        dict(zip(names, start.force[0], strict=True)),
+    )
+    staying, leaving, options = list(fingers[:-1]), fingers[-1], situation.options
+    need = smallest_turn(removal_problem(situation.setting, grasp, staying, leaving, options))
     needed = float(np.degrees(need.angle))
     needed = 0.0 if needed < NO_TURN_DEG else needed
     cell = partial(
         cell,
         start_N=float(start.normal_force[0, -1]),
         least_N=least,
-        bracketed=is_bracketed(grasp, least),
+        bracketed=is_bracketed(static, least),
         needed_deg=needed,
-        nearer_found=need.feasible and nearer_turn(situation, fingers[:-1], needed),
+        nearer_found=need.feasible and nearer_turn(situation, staying, needed),
     )
-    if not need.feasible:
-        return cell("infeasible", message=need.reason)
     try:
-        plan = solve_with(problem, "fatrop")
+        phase, _ = plan_removal(situation.setting, grasp, leaving.finger, options, name="removal")
+    except InfeasibleError as error:
+        return cell("infeasible", message=str(error))
     except SolverError as error:
         return cell("solver failed", message=str(error))
-    turn = Rotation.from_quat(plan.orientation[0]).inv() * Rotation.from_quat(plan.orientation[-1])
-    planned = float(np.degrees(turn.magnitude()))
+    planned = phase.reorientation_deg
     return cell(
         "detour" if planned > needed + DETOUR_DEG else "planned",
         planned_deg=planned,
-        cost=plan.cost,
-        iterations=plan.iterations,
-        solver=plan.solver,
+        cost=phase.record["cost"],
+        iterations=phase.record["iterations"],
+        solver=phase.record["solver"],
     )
-
-
-def starting_problem(
-    situation: Situation, fingers: Sequence[HandleContact], force: Array
-) -> RemovalProblem:
-    """The removal of the last finger from a grasp with these forces (pivot, fingers)."""
-    names = (PIVOT, *(each.finger for each in fingers))
-    held = {each.finger: each for each in fingers}
-    grasp = Grasp(situation.rotation, held, dict(zip(names, force, strict=True)))
-    phase = situation.removal
-    weights = RemovalWeights(**phase.weights.model_dump())
-    options = RemovalOptions(phase.duration_s, phase.steps, weights)
-    return removal_problem(situation.setting, grasp, list(fingers[:-1]), fingers[-1], options)
 
 
 def least_force(problem: AllocationProblem) -> float:
@@ -396,6 +391,7 @@ def findings(sweeps: dict[str, Sweep]) -> dict[str, Any]:
     return {
         "cells": len(cells),
         "outcomes": dict(Counter(cell.outcome for cell in cells)),
+        "solvers": dict(Counter(cell.solver for cell in cells if cell.solver)),
         "possible_without_moving": sum(cell.least_N == 0.0 for cell in cells),
         "impossible_without_moving": len(stuck),
         "of_these_planned_with_pivoting": len(bought),
@@ -452,7 +448,7 @@ def tell(
         f"found {found['of_these_planned_with_pivoting']} of these "
         f"{found['impossible_without_moving']} removals, turning "
         f"{extra['median']:.3f} deg (median; at most {extra['largest']:.2f}) more than needed. "
-        f"Outcomes: {found['outcomes']}. Checks failed: {found['least_force_unconfirmed']} of the "
+        f"Outcomes: {found['outcomes']}, by {found['solvers']}. Checks failed: {found['least_force_unconfirmed']} of the "
         f"least force, {found['smaller_turn_on_grid']} of the smallest turn."
     )
 

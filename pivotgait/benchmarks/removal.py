@@ -16,16 +16,12 @@ from pivotgait.models import AdditionPhase, LiftPhase, Scene, load_scene
 from pivotgait.phases.addition import AdditionOptions, plan_addition
 from pivotgait.phases.grasp import Grasp, Setting
 from pivotgait.phases.lift import LiftOptions, plan_lift
-from pivotgait.phases.removal import RemovalOptions, removal_problem, solve_with
+from pivotgait.phases.removal import RemovalOptions, removal_problem
 from pivotgait.phases.removal_model import removal_program
-from pivotgait.phases.removal_nlp import (
-    SCALE_PER_STEP,
-    NlpSolver,
-    pack,
-    removal_nlp,
-    solve_removal,
-)
+from pivotgait.phases.removal_nlp import SCALE_PER_STEP, NlpSolver, removal_nlp, solve_removal
+from pivotgait.phases.removal_packing import pack
 from pivotgait.phases.removal_problem import RemovalProblem
+from pivotgait.phases.removal_solving import solve_with
 from pivotgait.phases.static_grasp import smallest_turn
 
 SCENES = ("knife", "screwdriver", "wrench")

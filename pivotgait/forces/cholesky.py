@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import lapack
 
 Array = NDArray[np.float64]
+FEW = 40
+"""Up to this many matrices LAPACK, one by one, beats numpy's overhead."""
 
 
 class Cholesky:
@@ -14,24 +17,53 @@ class Cholesky:
     Attributes:
         positive: (B,) whether the matrix is positive definite; where not, solutions mean
             nothing.
+        few: whether they are factorised one by one.
     """
 
-    def __init__(self, matrix: Array) -> None:
-        """Factorise matrix (d, d, B); it is not changed."""
+    def __init__(self, matrix: Array, *, few: bool | None = None) -> None:
+        """Factorise matrix (d, d, B); it is not changed.
+
+        Args:
+            matrix: only its lower triangles are read.
+            few: one by one, or (None) where the batch is small.
+        """
+        d, _, batch = matrix.shape
+        self.few = (batch <= FEW) if few is None else few
+        if self.few:
+            factors = [lapack.dpotrf(matrix[..., b], lower=1) for b in range(batch)]
+            self._factors = [factor for factor, _ in factors]
+            self.positive = np.array([info == 0 for _, info in factors])
+            return
         lower = np.array(matrix)
-        self.positive = np.ones(matrix.shape[-1], dtype=bool)
-        for k in range(len(lower)):
+        self.positive = np.ones(batch, dtype=bool)
+        for k in range(d):
             self.positive &= lower[k, k] > 0.0
-            lower[k, k] = np.where(self.positive, lower[k, k], 1.0)
-            below = np.where(self.positive, lower[k + 1 :, k], 0.0)
-            lower[k + 1 :, k] = below / lower[k, k]
-            for j in range(k + 1, len(lower)):
+            if not self.positive.all():
+                lower[k, k] = np.where(self.positive, lower[k, k], 1.0)
+                lower[k + 1 :, k] = np.where(self.positive, lower[k + 1 :, k], 0.0)
+            below = np.array(lower[k + 1 :, k])
+            lower[k + 1 :, k] /= lower[k, k]
+            for j in range(k + 1, d):
                 lower[j, k + 1 : j + 1] -= lower[j, k] * below[: j - k]
         self._lower = lower
 
+    def replace(self, index: NDArray[np.intp], other: Cholesky) -> None:
+        """Take the factors at ``index`` from another batch."""
+        self.positive[index] = other.positive
+        if self.few:
+            for b, factor in zip(index, other._factors, strict=True):
+                self._factors[b] = factor
+        else:
+            self._lower[..., index] = other._lower
+
     def solve(self, side: Array) -> Array:
-        """(d, B) solutions for right-hand sides (d, B)."""
-        x, lower = np.array(side), self._lower
+        """(d, ..., B) solutions for right-hand sides (d, ..., B)."""
+        x = np.array(side)
+        if self.few:
+            for b, factor in enumerate(self._factors):
+                x[..., b] = lapack.dpotrs(factor, side[..., b], lower=1)[0]
+            return x
+        lower = self._lower.reshape(*self._lower.shape[:2], *(1,) * (side.ndim - 2), -1)
         for k in range(len(x) - 1):
             x[k + 1 :] -= lower[k + 1 :, k] * x[k]
         for k in range(len(x)):

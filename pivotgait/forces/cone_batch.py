@@ -92,7 +92,8 @@ class ConeBatch:
             det, line = np.where(inside, det, 1.0), np.where(inside, line, 1.0)
         product = np.sqrt(det.prod(axis=0)) * line.prod(axis=0)
         # A product of a dozen factors takes one logarithm, unless it leaves the range.
-        if np.all(product > 1e-250) and np.all(product < 1e250):
+        range_ = np.finfo(product.dtype)
+        if np.all(product > 1e3 * range_.tiny) and np.all(product < 1e-3 * range_.max):
             return inside, -np.log(product)
         return inside, -0.5 * np.log(det).sum(axis=0) - np.log(line).sum(axis=0)
 

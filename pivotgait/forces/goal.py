@@ -40,7 +40,7 @@ class Goal:
 
     def value(self, cones: ConeBatch, z: Array, s: Array) -> Array:
         """(B,) the goal at z with slacks s."""
-        total = np.zeros(s.shape[1]) if self.linear is None else self.linear @ z
+        total = np.zeros(s.shape[1], dtype=s.dtype) if self.linear is None else self.linear @ z
         if self.smooth is not None:
             each = objectives.value(self.smooth, cones.contact_force(s))
             total = total + (each if self.weight is None else each * self.weight).sum(axis=0)
@@ -48,7 +48,7 @@ class Goal:
 
     def slope(self, cones: ConeBatch, s: Array) -> Array:
         """(d, B) gradient by z."""
-        total = np.zeros(cones.matrix.shape[1:])
+        total = np.zeros(cones.matrix.shape[1:], dtype=s.dtype)
         if self.linear is not None:
             total += self.linear[:, None]
         if self.smooth is not None:

@@ -13,9 +13,11 @@ from pivotgait.forces.goal import Goal
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 HALVINGS = 12
-ROUNDING = 1e-14
-"""Share of its trace added to the Newton matrix's diagonal: a face of optima leaves directions
-without curvature, which must stay above rounding."""
+ROUNDING = 50.0
+"""Units of rounding of its trace added to the Newton matrix's diagonal: a face of optima leaves
+directions without curvature, which must stay above rounding."""
+LEVEL = 5e3
+"""Units of rounding by which the barrier function may rise."""
 
 
 def advance(
@@ -69,7 +71,8 @@ def advance(
         return np.concatenate((weighed, square_line * ds[c3:]))
 
     factors = _newton_factors(cones, goal, s, square, square_line)
-    affine, centre = factors.solve(-slope), factors.solve(cones.transposed(inverse))
+    sides = np.stack((-slope, cones.transposed(inverse)), axis=1)
+    affine, centre = np.moveaxis(factors.solve(sides), 1, 0)
 
     # Mehrotra: how far the pure Newton (affine) step goes decides how much to centre ...
     ds = cones.image(affine)
@@ -99,14 +102,27 @@ def advance(
             ds = cones.image(dz)
             ddual = aim - weigh(ds)
             step = np.minimum(1.0, np.clip(1.0 - weight, 0.99, 0.999) * edge(ds, ddual))
-            primal = step
-        for _ in range(HALVINGS):
-            if not uphill.any():
-                break
-            uphill = ~(_merit(cones, goal, s + primal * ds, weight) <= now)
-            primal = np.where(uphill, 0.5 * primal, primal)
+            few = np.nonzero(uphill)[0]
+            cut = _line_search(
+                cones.take(few), goal.take(few), s[:, few], ds[:, few], step[few], weight[few]
+            )
+            primal = np.array(step)
+            primal[few] = cut
     z = z + primal * dz
     return z, cones.slack(z), dual + step * ddual
+
+
+def _line_search(
+    cones: ConeBatch, goal: Goal, s: Array, ds: Array, step: Array, weight: Array
+) -> Array:
+    """(B,) steps halved until the barrier function falls."""
+    now = _merit(cones, goal, s, weight)
+    for _ in range(HALVINGS):
+        uphill = ~(_merit(cones, goal, s + step * ds, weight) <= now)
+        if not uphill.any():
+            break
+        step = np.where(uphill, 0.5 * step, step)
+    return step
 
 
 def _merit(cones: ConeBatch, goal: Goal, s: Array, weight: Array) -> Array:
@@ -115,7 +131,8 @@ def _merit(cones: ConeBatch, goal: Goal, s: Array, weight: Array) -> Array:
     if not inside.all():
         s = np.where(inside, s, 1.0)
     merit = goal.value(cones, s[:0], s) + weight * barrier
-    return np.where(inside, merit - 1e-12 * (1.0 + np.abs(merit)), np.inf)
+    rest = LEVEL * np.finfo(merit.dtype).eps * (1.0 + np.abs(merit))
+    return np.where(inside, merit - rest, np.inf)
 
 
 def _newton_factors(
@@ -134,8 +151,8 @@ def _newton_factors(
     if bad.size:
         some = cones.take(bad)
         block = square[..., bad] + goal.take(bad).curvature(some, s[:, bad], concave=0.0)
-        normal[..., bad] = _normal_matrix(some, block, square_line[:, bad])
-        factors = Cholesky(normal)
+        normal = _normal_matrix(some, block, square_line[:, bad])
+        factors.replace(bad, Cholesky(normal, few=factors.few))
     return factors
 
 
@@ -143,13 +160,13 @@ def _normal_matrix(cones: ConeBatch, block: Array, line: Array) -> Array:
     """(d, d, B) matrix' W matrix with W (3, 3, c, B) on the cones; its lower triangle only."""
     q, d, batch = cones.matrix.shape
     c3 = 3 * cones.cones
-    product = np.empty((q, d, batch))
+    product = np.empty((q, d, batch), dtype=block.dtype)
     rows = cones.matrix[:c3].reshape(3, cones.cones, d, batch)
     np.einsum("ijcb,jcdb->icdb", block, rows, out=product[:c3].reshape(3, cones.cones, d, batch))
     np.multiply(line[:, None], cones.matrix[c3:], out=product[c3:])
-    normal = np.zeros((d, d, batch))
+    normal = np.zeros((d, d, batch), dtype=block.dtype)
     for i in range(d):
         np.einsum("qb,qjb->jb", cones.matrix[:, i], product[:, : i + 1], out=normal[i, : i + 1])
     diagonal = np.einsum("iib->ib", normal)
-    diagonal += ROUNDING * diagonal.sum(axis=0)
+    diagonal += ROUNDING * np.finfo(block.dtype).eps * diagonal.sum(axis=0)
     return normal

@@ -62,7 +62,7 @@ def hessian(objective: str, x: Array, *, concave: Array | float = 0.0) -> Array:
     """
     normal = x[2]
     tangent = x[0] ** 2 + x[1] ** 2
-    out = np.zeros((3, *x.shape))
+    out = np.zeros((3, *x.shape), dtype=x.dtype)
     if objective == "effort":
         diagonal = np.full_like(normal, 2.0)
         out[2, 2] = diagonal

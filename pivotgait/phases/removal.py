@@ -4,29 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation, Slerp
+from scipy.spatial.transform import Rotation
 
 from pivotgait.contacts import contact_frame
 from pivotgait.exceptions import InfeasibleError, SolverError
 from pivotgait.models import HandleContact
 from pivotgait.phases.grasp import Grasp, Setting, finger_track
-from pivotgait.phases.removal_nlp import solve_removal
 from pivotgait.phases.removal_problem import RemovalProblem, RemovalSolution, RemovalWeights
-from pivotgait.phases.removal_socp import solve_removal_by_socps
+from pivotgait.phases.removal_solving import RemovalSolver, solve_with
 from pivotgait.phases.static_grasp import smallest_turn
 from pivotgait.plans import PIVOT, Phase
 
 Array = NDArray[np.float64]
-RemovalSolver = Literal["fatrop", "ipopt", "socp"]
 
 CLEAR_POINTS = 4
 """Points kept over the table at once; the compiled program has room for this many."""
-LARGEST_STEP_RAD = 0.4
-"""Rotation within one step for which the program's series of the exponential is exact."""
 
 
 @dataclass(frozen=True)
@@ -175,85 +171,4 @@ def _clear_of_table(
         "the tool's lowest points change from round to round, and one stays too near the table",
         where="removal",
         mend="lift the tool higher before the removal",
-    )
-
-
-def solve_with(
-    problem: RemovalProblem, solver: RemovalSolver, *, doubling: bool = False
-) -> RemovalSolution:
-    """Solve a removal problem with a named solver, directly or by doubling K.
-
-    Raises:
-        SolverError: not converged, or steps too coarse for the integration.
-    """
-    guess = None
-    for steps in _rounds(problem.steps) if doubling else ():
-        coarse = replace(problem, steps=steps, step_s=problem.step_s * problem.steps / steps)
-        try:
-            guess = _solve(coarse, solver, None if guess is None else resample(guess, coarse))
-        except SolverError:  # a coarse grid may be infeasible where the fine one is not
-            guess = None
-    solution = _solve(problem, solver, None if guess is None else resample(guess, problem))
-    turn = float(np.linalg.norm(solution.angular_velocity, axis=1).max() * problem.step_s)
-    if turn > LARGEST_STEP_RAD:
-        raise SolverError(
-            f"the tool turns {np.degrees(turn):.0f} deg within one step",
-            where="removal.steps",
-            mend="take more steps",
-        )
-    return solution
-
-
-def _solve(
-    problem: RemovalProblem, solver: RemovalSolver, guess: RemovalSolution | None
-) -> RemovalSolution:
-    if solver == "socp":
-        return solve_removal_by_socps(problem, guess)
-    if solver == "ipopt":
-        return solve_removal(problem, solver=solver, guess=guess)
-    if not problem.rated:
-        return _fatrop_or_ipopt(problem, guess)
-    # FATROP has no rows between stages: it solves without the rate, and if the answer keeps the
-    # rate it is the optimum with it too, having had fewer constraints
-    free = _fatrop_or_ipopt(replace(problem, force_rate_max=np.inf), guess)
-    if free.largest_rate(problem) <= problem.force_rate_max:
-        return free
-    return solve_removal(problem, solver="ipopt", guess=replace(free, multipliers=None))
-
-
-def _fatrop_or_ipopt(problem: RemovalProblem, guess: RemovalSolution | None) -> RemovalSolution:
-    """FATROP, and where it stalls (very low friction) the slower IPOPT."""
-    try:
-        return solve_removal(problem, guess=guess)
-    except SolverError:
-        return solve_removal(problem, solver="ipopt", guess=guess)
-
-
-def _rounds(steps: int, least: int = 8) -> list[int]:
-    """K/2, K/4, ... down to about ``least``, ascending."""
-    rounds = []
-    while steps % 2 == 0 and steps // 2 >= least:
-        steps //= 2
-        rounds.append(steps)
-    return rounds[::-1]
-
-
-def resample(solution: RemovalSolution, problem: RemovalProblem) -> RemovalSolution:
-    """Interpolate a solution to the samples of another problem of the same duration."""
-    old = np.linspace(0.0, 1.0, len(solution.orientation))
-    new = np.linspace(0.0, 1.0, problem.steps + 1)
-
-    def linear(values: Array) -> Array:
-        flat = values.reshape(len(values), -1)
-        columns = [np.interp(new, old, column) for column in flat.T]
-        return np.stack(columns, axis=1).reshape(len(new), *values.shape[1:])
-
-    slerp = Slerp(old, Rotation.from_quat(solution.orientation))
-    return replace(
-        solution,
-        orientation=slerp(new).as_quat(),
-        angular_velocity=linear(solution.angular_velocity),
-        angular_acceleration=linear(solution.angular_acceleration),
-        force=linear(solution.force),
-        multipliers=None,
     )

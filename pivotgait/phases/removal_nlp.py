@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from pivotgait.contacts import grasp_map
-from pivotgait.contacts.grasp_map import skew
 from pivotgait.dynamics import required_wrench
 from pivotgait.exceptions import SolverError
-from pivotgait.phases.removal_model import PARAMETERS, removal_program
+from pivotgait.phases.removal_model import removal_program
+from pivotgait.phases.removal_packing import force_of, pack, places, slopes_of
 from pivotgait.phases.removal_problem import RemovalProblem, RemovalSolution, removal_cost
 
 Array = NDArray[np.float64]
@@ -30,10 +30,6 @@ not first drive the tool away from where it is."""
 FLAT_STEPS = 128
 """Up to this K the whole program, as one list of operations, fits the processor's cache and is
 a tenth faster than the mapped stages."""
-FRICTION_RESERVE = 1e-6
-"""Relative reserve of friction: a cone is then kept to 1e-8 N in spite of a tolerance of 1e-8."""
-BOUND_RESERVE_N = 1e-7
-"""Reserve of the bounds of normal forces [N], for the same reason."""
 
 
 class RemovalNlp:
@@ -111,7 +107,7 @@ class RemovalNlp:
                 options |= {"ipopt.warm_start_init_point": "yes", "ipopt.mu_init": 1e-5}
         self.nlpsol = ca.nlpsol("removal", solver, nlp, options)
         self._gradient = self.nlpsol.get_function("nlp_grad")
-        self._places = _places(program.states, program.controls, staying)
+        self._places = places(program.states, program.controls, staying)
 
     def solve(self, problem: RemovalProblem, guess: RemovalSolution | None) -> RemovalSolution:
         """Solve one problem of this shape.
@@ -162,7 +158,7 @@ class RemovalNlp:
             world = np.concatenate((np.eye(3)[None], turn @ problem.frames))
             local = np.einsum("mij,mi->mj", world, problem.start_force)
             normal = np.clip(local[:, 2], problem.normal_min, problem.normal_max)
-            start = np.column_stack((_slopes(local), normal))
+            start = np.column_stack((slopes_of(local), normal))
             x[self._places["attitude"]] = problem.orientation
             x[self._places["table"]] = start[0]
             x[self._places["fingers"]] = start[1:-1].ravel()
@@ -178,11 +174,11 @@ class RemovalNlp:
         frames = np.einsum("kij,mjl->kmil", turn, problem.frames)
         local = np.einsum("kmil,kmi->kml", frames, guess.force[1:, 1:])
         table = guess.force[1:, 0]
-        x[self._places["table"]] = np.column_stack((_slopes(table), table[:, 2]))
+        x[self._places["table"]] = np.column_stack((slopes_of(table), table[:, 2]))
         for i in range(self.staying):
-            columns = np.column_stack((_slopes(local[:, i]), local[:, i, 2]))
+            columns = np.column_stack((slopes_of(local[:, i]), local[:, i, 2]))
             x[self._places["fingers"][:, 3 * i : 3 * i + 3]] = columns
-        x[self._places["leaving"]] = _slopes(local[:-1, -1])
+        x[self._places["leaving"]] = slopes_of(local[:-1, -1])
         return x
 
     def _solution(
@@ -199,12 +195,12 @@ class RemovalNlp:
         sigma[1:-1] = np.einsum("kij,kj->ki", turn[1:-1], x[place["s"]])
         local = np.zeros((samples, n + 1, 3))
         for i in range(n):
-            local[1:, i] = _force(x[place["fingers"][:, 3 * i : 3 * i + 3]])
+            local[1:, i] = force_of(x[place["fingers"][:, 3 * i : 3 * i + 3]])
         ramp = problem.ramp
-        local[1:-1, n] = _force(np.column_stack((x[place["leaving"]], ramp[1:-1])))
+        local[1:-1, n] = force_of(np.column_stack((x[place["leaving"]], ramp[1:-1])))
         force = np.empty((samples, n + 2, 3))
         force[:, 1:] = np.einsum("kij,mjl,kml->kmi", turn, problem.frames, local, optimize=True)
-        force[1:, 0] = _force(x[place["table"]])
+        force[1:, 0] = force_of(x[place["table"]])
         force[0] = problem.start_force
         balance(problem, orientation, omega, sigma, force)
         return RemovalSolution(
@@ -258,65 +254,6 @@ def solve_removal(
     shape = (problem.steps, problem.staying, len(problem.clear_rise))
     warm = guess is not None and guess.multipliers is not None
     return removal_nlp(*shape, solver, warm, problem.rated).solve(problem, guess)
-
-
-def pack(problem: RemovalProblem) -> Array:
-    """Parameters of the program in the order of :data:`removal_model.PARAMETERS`."""
-    body = problem.body
-    friction = problem.friction * (1.0 - FRICTION_RESERVE)
-    moments = skew(problem.points - body.pivot_in_tool) @ problem.frames
-    values: dict[str, Any] = {
-        "orientation": problem.orientation,
-        "step_s": problem.step_s,
-        "mass": body.mass,
-        "weight": body.mass * body.gravity,
-        "arm": -body.pivot_in_tool,
-        "about_pivot": body.inertia_about_pivot,
-        "frames": problem.frames.transpose(2, 1, 0).reshape(9, -1),
-        "moments": moments.transpose(2, 1, 0).reshape(9, -1),
-        "friction": friction,
-        "normal_min": problem.normal_min + BOUND_RESERVE_N,
-        "normal_max": problem.normal_max - BOUND_RESERVE_N,
-        "start_local": problem.start_local.T,
-        # the same reserve as the friction's keeps the rate exactly
-        "change_max": problem.change_max * (1.0 - FRICTION_RESERVE) if problem.rated else 0.0,
-        "clear_lever": problem.clear_lever.T,
-        "clear_rise": problem.clear_rise,
-        "weights": problem.weights.as_array,
-    }
-    return np.concatenate([np.ravel(values[name], order="F") for name in PARAMETERS])
-
-
-def _places(states: list[int], controls: list[int], staying: int) -> dict[str, Any]:
-    """Where each quantity stands in the vector of variables, as index arrays over stages."""
-    stages = len(states)
-    size = np.array(states) + np.array(controls)
-    first = np.concatenate(([0], np.cumsum(size)[:-1]))
-    control = first + np.array(states)
-    last = np.arange(stages) == stages - 1
-    fingers = control + np.where(last, 0, 3)
-    leaving = fingers + 3 * staying
-    table = leaving + np.where(last, 0, 2)
-    return {
-        "size": int(size.sum()),
-        "attitude": first[:, None] + np.arange(4),
-        "omega": first[:, None] + np.arange(4, 7),
-        "s": control[:-1, None] + np.arange(3),
-        "fingers": fingers[:, None] + np.arange(3 * staying),
-        "leaving": leaving[:-1, None] + np.arange(2),
-        "table": table[:, None] + np.arange(3),
-    }
-
-
-def _force(parts: Array) -> Array:
-    """f = f_n (tau_x, tau_y, 1) from rows (tau_x, tau_y, f_n)."""
-    return np.column_stack((parts[:, :2] * parts[:, 2:], parts[:, 2]))
-
-
-def _slopes(force: Array) -> Array:
-    """tau = f_t / f_n of rows (f_x, f_y, f_n); 0 where there is no force."""
-    loaded = np.abs(force[:, 2:]) > 1e-9
-    return np.where(loaded, force[:, :2] / np.where(loaded, force[:, 2:], 1.0), 0.0)
 
 
 def balance(

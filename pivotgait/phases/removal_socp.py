@@ -7,60 +7,25 @@ solution, and keeps the step if cost plus penalty fall.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 from scipy.spatial.transform import Rotation
 
-from pivotgait.contacts.grasp_map import skew
 from pivotgait.exceptions import SolverError
 from pivotgait.phases.removal_linearised import (
     Dynamics,
-    Rows,
     Trajectory,
     dynamics,
-    left_jacobian,
-    slope,
 )
-from pivotgait.phases.removal_nlp import (
-    BOUND_RESERVE_N,
-    FRICTION_RESERVE,
-    balance,
-)
+from pivotgait.phases.removal_nlp import balance
 from pivotgait.phases.removal_problem import RemovalProblem, RemovalSolution, removal_cost
+from pivotgait.phases.removal_round import COST_SCALE, PENALTY, Round
 
 Array = NDArray[np.float64]
 
-COST_SCALE = 30.0
-"""The cost of a good removal is 1e-3 to 1e-1: scaled to about 1."""
-PENALTY = 1e3
-"""Cost (scaled) of 0.1 N m of moment residual: above the multipliers met, 50 to 300."""
 MAX_ROUNDS = 80
 STEP_TOLERANCE = 1e-7
 """Change of orientation [rad] and relative change of cost below which a round is the last."""
-
-
-@dataclass(frozen=True)
-class _Layout:
-    """Where the variables of stage k = 1..K stand: a, omega, sigma, table, fingers, slack."""
-
-    steps: int
-    fingers: int
-
-    @property
-    def width(self) -> int:
-        return 12 + 3 * self.fingers + 6
-
-    @property
-    def size(self) -> int:
-        return self.steps * self.width
-
-    def at(self, first: int, count: int) -> NDArray[np.intp]:
-        """(K, count) columns from offset ``first`` of each stage."""
-        return np.arange(self.steps)[:, None] * self.width + first + np.arange(count)
 
 
 def solve_removal_by_socps(
@@ -80,7 +45,7 @@ def solve_removal_by_socps(
     optimality, rounds = np.inf, 0
     while rounds < MAX_ROUNDS:
         rounds += 1
-        step = _Round(problem, trajectory, radius).solve()
+        step = Round(problem, trajectory, radius).solve()
         there = _merit(problem, step.trajectory)
         predicted, gained = here - step.model, here - there
         optimality = step.optimality
@@ -176,192 +141,3 @@ def _solution(
     balance(problem, orientation, omega, sigma, force)
     cost = removal_cost(problem, orientation, sigma, force)
     return RemovalSolution(orientation, omega, sigma, force, cost, "socp", rounds, kkt)
-
-
-@dataclass(frozen=True)
-class _Step:
-    trajectory: Trajectory
-    model: float
-    turn: float
-    optimality: float
-
-
-class _Round:
-    """One cone program: the problem linearised about a trajectory."""
-
-    def __init__(self, problem: RemovalProblem, trajectory: Trajectory, radius: float) -> None:
-        self.problem, self.nominal, self.radius = problem, trajectory, radius
-        self.layout = _Layout(problem.steps, problem.staying + 1)
-        at, fingers = self.layout.at, self.layout.fingers
-        self.a, self.omega, self.sigma = at(0, 3), at(3, 3), at(6, 3)
-        self.table, self.slack = at(9, 3), at(12 + 3 * fingers, 6)
-        self.push = at(12, 3 * fingers).reshape(-1, fingers, 3)
-        self.state = dynamics(problem, trajectory)
-
-    def solve(self) -> _Step:
-        """Solve it and return the new trajectory with the model's value there."""
-        import clarabel
-
-        quadratic, linear, constant = self._cost()
-        rows = Rows(self.layout.size)
-        cones: list[Any] = [clarabel.ZeroConeT(self._equalities(rows))]
-        cones.append(clarabel.NonnegativeConeT(self._inequalities(rows)))
-        cones += [clarabel.SecondOrderConeT(3)] * self._cones(rows)
-        if self.problem.rated:
-            cones += [clarabel.SecondOrderConeT(4)] * self._rates(rows)
-        settings = clarabel.DefaultSettings()
-        settings.verbose = False
-        settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
-        answer = clarabel.DefaultSolver(
-            sparse.triu(quadratic, format="csc"),
-            linear,
-            rows.matrix(),
-            np.concatenate(rows.side),
-            cones,
-            settings,
-        ).solve()
-        x = np.array(answer.x)
-        # an inexact answer near the end is only a proposal: the merit function judges it
-        usable = {"Solved", "AlmostSolved", "InsufficientProgress"}
-        if str(answer.status) not in usable or not np.isfinite(x).all():
-            raise SolverError(
-                f"a cone program of the removal ended as {answer.status}",
-                where="removal",
-                mend="try the solver fatrop",
-            )
-        sigma, local = x[self.sigma].copy(), x[self.push].copy()
-        sigma[-1] = 0.0
-        before = self._point()
-        step = np.where(np.isnan(before), 0.0, x - before)
-        return _Step(
-            Trajectory.of(self.problem, sigma, local),
-            float(0.5 * x @ (quadratic @ x) + linear @ x + constant),
-            float(np.abs(x[self.a]).max()),
-            float(np.abs(quadratic @ step).max()) / COST_SCALE,
-        )
-
-    def _point(self) -> Array:
-        """The nominal trajectory as a vector of variables."""
-        x = np.zeros(self.layout.size)
-        x[self.omega], x[self.sigma] = self.nominal.omega, self.nominal.sigma
-        x[self.table], x[self.push] = self.state.table, self.nominal.local
-        return x
-
-    def _cost(self) -> tuple[Any, Array, float]:
-        """Gauss-Newton model 0.5 x' P x + q' x + c of the scaled cost with the penalty."""
-        problem, layout = self.problem, self.layout
-        weights, h = COST_SCALE * problem.weights.as_array, problem.step_s
-        blocks: list[tuple[Any, Array, Array]] = []  # columns, J, r: cost |J x + r|^2
-        last = Rotation.from_matrix(self.nominal.rotation[-1])
-        error = (last * Rotation.from_quat(problem.orientation).inv()).as_quat(canonical=True)
-        jacobian = np.sqrt(weights[0]) * (error[3] * np.eye(3) - skew(error[:3]))
-        blocks.append((self.a[-1:], jacobian[None], np.sqrt(weights[0]) * 2.0 * error[None, :3]))
-        scale = np.sqrt(weights[1] * h)
-        blocks.append((self.sigma, scale * np.eye(3)[None], np.zeros((1, 3))))
-        scale = np.sqrt(weights[2] * h)
-        rho, by_table = slope(self.state.table)
-        offset = rho - np.einsum("kij,kj->ki", by_table, self.state.table)
-        blocks.append((self.table, scale * by_table, scale * offset))
-        for finger in range(layout.fingers):
-            force = self.nominal.local[:, finger]
-            keep = slice(None, -1) if finger == layout.fingers - 1 else slice(None)
-            rho, by_force = slope(force[keep])
-            offset = rho - np.einsum("kij,kj->ki", by_force, force[keep])
-            blocks.append((self.push[keep, finger], scale * by_force, scale * offset))
-        quadratic, linear = Rows(layout.size), np.zeros(layout.size)
-        quadratic.count, constant = layout.size, 0.0
-        for columns, jac, residual in blocks:
-            quadratic.put(columns, columns, 2.0 * np.swapaxes(jac, -1, -2) @ jac)
-            pull = 2.0 * np.einsum("...ij,...i->...j", jac, residual)
-            np.add.at(linear, columns, np.broadcast_to(pull, columns.shape))
-            constant += float(np.sum(residual**2))
-        linear[self.slack] = PENALTY
-        return quadratic.matrix(), linear, constant
-
-    def _equalities(self, rows: Rows) -> int:
-        problem, nominal, h = self.problem, self.nominal, self.problem.step_s
-        eye, steps = np.eye(3), problem.steps
-        ends = rows.open(np.zeros((4, 3)))
-        places = np.stack((self.a[0], self.omega[0], self.omega[-1], self.sigma[-1]))
-        rows.put(ends, places, eye)
-        turn = h * nominal.omega[:-1]
-        forward = Rotation.from_rotvec(turn).as_matrix()
-        lean = h * left_jacobian(turn)
-        row = rows.open(-np.einsum("kij,kj->ki", lean, nominal.omega[:-1]))
-        rows.put(row, self.a[1:], eye)
-        rows.put(row, self.a[:-1], -forward)
-        rows.put(row, self.omega[:-1], -lean)
-        row = rows.open(np.zeros((steps - 1, 3)))
-        rows.put(row, self.omega[1:], eye)
-        rows.put(row, self.omega[:-1], -eye)
-        rows.put(row, self.sigma[:-1], -h * eye)
-        self._linear_dynamics(rows, self.state.moment, self.state.moment_by, self.slack, 10.0)
-        self._linear_dynamics(rows, self.state.table, self.state.table_by, self.table, 1.0)
-        ramp = rows.open(problem.ramp[1:, None])
-        rows.put(ramp, self.push[:, -1, 2:], np.ones((1, 1)))
-        gone = rows.open(np.zeros(2))
-        rows.put(gone[None], self.push[-1:, -1, :2], np.eye(2))
-        return rows.count
-
-    def _linear_dynamics(
-        self, rows: Rows, value: Array, by: tuple[Array, ...], out: Any, scale: float
-    ) -> None:
-        """value + sum of derivatives times changes = moment slack, or = table force."""
-        nominal = self.nominal
-        local = nominal.local.reshape(self.problem.steps, -1)
-        known = (
-            np.einsum("kij,kj->ki", by[1], nominal.omega)
-            + np.einsum("kij,kj->ki", by[2], nominal.sigma)
-            + np.einsum("kij,kj->ki", by[3], local)
-        )
-        row = rows.open(scale * (known - value))
-        push = self.push.reshape(self.problem.steps, -1)
-        for columns, block in zip((self.a, self.omega, self.sigma, push), by, strict=True):
-            rows.put(row, columns, scale * block)
-        split = np.hstack((-np.eye(3), np.eye(3))) if out.shape[1] == 6 else -np.eye(3)
-        rows.put(row, out, scale * split)
-
-    def _inequalities(self, rows: Rows) -> int:
-        problem, first, one = self.problem, rows.count, np.ones((1, 1))
-        normals = [self.table[:, 2:], *(self.push[:, i, 2:] for i in range(problem.staying))]
-        for i, columns in enumerate(normals):
-            lower = problem.normal_min[i] + BOUND_RESERVE_N
-            upper = problem.normal_max[i] - BOUND_RESERVE_N
-            rows.put(rows.open(np.full((problem.steps, 1), -lower)), columns, -one)
-            rows.put(rows.open(np.full((problem.steps, 1), upper)), columns, one)
-        rows.put(rows.open(np.zeros(self.slack.shape)), self.slack, -np.eye(6))
-        limit = np.full(self.a.shape, self.radius)
-        rows.put(rows.open(limit), self.a, np.eye(3))
-        rows.put(rows.open(limit), self.a, -np.eye(3))
-        if len(problem.clear_rise):
-            lever = np.einsum("kij,pj->kpi", self.nominal.rotation, problem.clear_lever)
-            # height of Exp(a) R p: z + e_z . (a x R p)
-            gradient = np.stack((lever[..., 1], -lever[..., 0], np.zeros(lever.shape[:2])), -1)
-            row = rows.open(lever[..., 2] - problem.clear_rise)
-            rows.put(row, self.a, -gradient)
-        return rows.count - first
-
-    def _cones(self, rows: Rows) -> int:
-        """Rows (mu f_n, f_x, f_y) in the second-order cone, contact by contact."""
-        problem, steps = self.problem, self.problem.steps
-        friction = problem.friction * (1.0 - FRICTION_RESERVE)
-        contacts = [self.table, *(self.push[:, i] for i in range(problem.staying + 1))]
-        count = 0
-        for i, columns in enumerate(contacts):
-            keep = steps - 1 if i == len(contacts) - 1 else steps
-            row = rows.open(np.zeros((keep, 3)))
-            pick = -np.array([[0.0, 0.0, friction[i]], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-            rows.put(row, columns[:keep], pick)
-            count += keep
-        return count
-
-    def _rates(self, rows: Rows) -> int:
-        """Rows (limit, f_k - f_k-1) in the second-order cone, in the contact frames."""
-        problem, push = self.problem, self.push
-        limit = problem.change_max * (1.0 - FRICTION_RESERVE)
-        side = np.zeros((problem.steps, self.layout.fingers, 4))
-        side[..., 0], side[0, :, 1:] = limit, -problem.start_local
-        row = rows.open(side)[..., 1:]
-        rows.put(row, push, -np.eye(3))
-        rows.put(row[1:], push[:-1], np.eye(3))
-        return int(row[..., 0].size)

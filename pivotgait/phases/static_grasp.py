@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from pivotgait.phases.removal_model import PARAMETERS, Attitude
-from pivotgait.phases.removal_nlp import pack
+from pivotgait.phases.attitude import Attitude
+from pivotgait.phases.removal_model import PARAMETERS
+from pivotgait.phases.removal_packing import pack
 from pivotgait.phases.removal_problem import RemovalProblem
 
 Array = NDArray[np.float64]

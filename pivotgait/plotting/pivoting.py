@@ -116,14 +116,14 @@ def pivoting_maps(
         left, right = axes[row, :2]
         share = 100.0 * each.share
         first = _draw_map(left, each, share, share_top, "YlOrBr", _SHARE_LEVELS, " %")
-        _name_free(left, each, share, f"{leaving} leaves\nwithout pivoting")
+        _name_free(left, each, share, f"{leaving}\nmay leave")
         second = _draw_map(right, each, each.needed_deg, turn_top, "GnBu", _TURN_LEVELS, "°")
         _name_free(right, each, each.needed_deg, "no pivoting\nneeded")
         marks = [_mark(right, each, each.failed, "x"), _mark(right, each, each.detour, "o")]
         for panel in (left, right):
             panel.set_xlabel(f"{moved} {each.axis}")
         left.set_ylabel("finger friction μ [-]")
-    axes[0, 0].set_title(f"tool at rest: {leaving} unloads no further\nthan this [% of its force]")
+    axes[0, 0].set_title(f"tool at rest: {leaving} must keep\n[% of its starting force]")
     axes[0, 1].set_title(f"pivoting needed to\nremove {leaving} [deg]")
     for mesh, column in ((first, 0), (second, 1)):
         bar = figure.colorbar(mesh, cax=axes[2, column], orientation="horizontal")
@@ -133,17 +133,16 @@ def pivoting_maps(
     _draw_lines(axes[0, 2], lines, FINGER_COLOURS.get(moved, LIMIT_COLOUR))
     axes[0, 2].set_title(f"pivoting for {moved}\nat {lines[-1].label} and beside it")
     _draw_section(axes[1, 2], section, moved)
-    texts = ("planner found no motion", "planner turned over 1° more than needed")
-    shown = [i for i, each in enumerate(("failed", "detour")) if _any(maps, each)]
-    if shown:
-        figure.legend(
-            [marks[i] for i in shown],
-            [texts[i] for i in shown],
-            loc="outside lower center",
-            ncols=2,
-            frameon=False,
-            handletextpad=0.2,
-        )
+    own = axes[0, 0].plot([], [], "v", color=LIMIT_COLOUR, ms=4)[0]
+    edge = axes[0, 0].plot([], [], color=LIMIT_COLOUR, lw=1.2, ls=(0, (3, 1.5)))[0]
+    entries = [(own, "the scene's own place"), (edge, "no pivoting needed beyond")]
+    if _any(maps, "failed"):
+        entries.append((marks[0], "planner found no motion"))
+    if _any(maps, "detour"):
+        entries.append((marks[1], "planner turned much more than needed"))
+    handles, texts = zip(*entries, strict=True)
+    place = {"loc": "outside lower left", "ncols": len(entries), "frameon": False}
+    figure.legend(handles, texts, handletextpad=0.4, columnspacing=1.5, **place)
     return figure
 
 
@@ -180,10 +179,9 @@ def _draw_map(
         labels = axes.clabel(lines, fmt=lambda v: f"{v:g}{unit}", fontsize=7, inline_spacing=2)
         for label in labels:
             label.set_path_effects([_HALO])
-    free = np.ma.filled(known, 1.0) == 0.0
-    if free.any() and not free.all():
+    if known.min() == 0.0 < known.max():
         style = {"colors": LIMIT_COLOUR, "linewidths": 1.2, "linestyles": [(0, (4, 2))]}
-        axes.contour(*grid, free.astype(float), levels=[0.5], **style)
+        axes.contour(*grid, known, levels=[1e-3 * top], **style)
     axes.plot(data.own, 1.0, "v", color=LIMIT_COLOUR, ms=4, clip_on=False, transform=_across(axes))
     axes.xaxis.set_major_locator(MaxNLocator(5))
     for side in ("top", "right"):
@@ -223,7 +221,9 @@ def _mark(axes: Any, data: PlaceMap, which: Mask, marker: str) -> Any:
     rows, columns = np.nonzero(which)
     style = {"color": LIMIT_COLOUR, "ms": 3.5, "mew": 0.8, "mfc": "none", "clip_on": False}
     places = data.place[columns], data.friction[rows]
-    return axes.plot(*places, marker, zorder=5, **style)[0]
+    line = axes.plot(*places, marker, zorder=5, **style)[0]
+    line.set_in_layout(False)  # without cells it would claim the figure's corner
+    return line
 
 
 def _draw_lines(axes: Any, lines: Sequence[FrictionLine], colour: str) -> None:
@@ -277,6 +277,6 @@ def _draw_section(axes: Any, section: HandleSection, moved: str) -> None:
     axes.annotate("10 mm", (hub[0], height + 0.2 * size), **label)
     axes.set_title("handle after the lift, from behind")
     axes.set_aspect("equal")
-    axes.set_xlim(hub[0] - 2.9 * size, hub[0] + 2.9 * size)
+    axes.set_xlim(hub[0] - 2.8 * size, hub[0] + 2.8 * size)
     axes.set_ylim(outline[:, 1].min() - 1.3 * size, height + 0.4 * size)
     axes.axis("off")

@@ -16,14 +16,9 @@ from pivotgait.models import AdditionPhase, LiftPhase, RemovalPhase, export_scen
 from pivotgait.phases.addition import AdditionOptions, plan_addition
 from pivotgait.phases.grasp import Grasp, Setting
 from pivotgait.phases.lift import LiftOptions, plan_lift
-from pivotgait.phases.removal import (
-    RemovalOptions,
-    RemovalSolver,
-    plan_removal,
-    removal_problem,
-    solve_with,
-)
+from pivotgait.phases.removal import RemovalOptions, plan_removal, removal_problem
 from pivotgait.phases.removal_problem import RemovalProblem, RemovalSolution
+from pivotgait.phases.removal_solving import RemovalSolver, solve_with
 from pivotgait.plans import Phase
 
 Edits = tuple[tuple[str, str], ...]

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from pivotgait.exceptions import InfeasibleError, PivotGaitError
-from pivotgait.phases.removal import resample, solve_with
 from pivotgait.phases.removal_nlp import solve_removal
 from pivotgait.phases.removal_problem import (
     RemovalProblem,
@@ -21,6 +20,7 @@ from pivotgait.phases.removal_problem import (
     integrate,
     removal_cost,
 )
+from pivotgait.phases.removal_solving import resample, solve_with
 from pivotgait.phases.static_grasp import smallest_turn
 
 Array = NDArray[np.float64]
