@@ -43,15 +43,13 @@ from pivotgait.models import (
     AdditionPhase,
     HandleContact,
     LiftPhase,
-    RemovalPhase,
     Scene,
     load_scene,
 )
 from pivotgait.phases.allocation import allocation_problem
 from pivotgait.phases.grasp import Grasp, Setting
-from pivotgait.phases.removal import RemovalOptions, removal_problem
-from pivotgait.phases.removal_solving import solve_with
-from pivotgait.phases.removal_problem import RemovalProblem, RemovalWeights
+from pivotgait.phases.removal import RemovalOptions, plan_removal, removal_problem
+from pivotgait.phases.removal_problem import RemovalWeights
 from pivotgait.phases.static_grasp import smallest_turn
 from pivotgait.plans import PIVOT
 from pivotgait.plotting.pivoting import (
@@ -448,8 +446,9 @@ def tell(
         f"found {found['of_these_planned_with_pivoting']} of these "
         f"{found['impossible_without_moving']} removals, turning "
         f"{extra['median']:.3f} deg (median; at most {extra['largest']:.2f}) more than needed. "
-        f"Outcomes: {found['outcomes']}, by {found['solvers']}. Checks failed: {found['least_force_unconfirmed']} of the "
-        f"least force, {found['smaller_turn_on_grid']} of the smallest turn."
+        f"Outcomes: {found['outcomes']}, by {found['solvers']}. Checks failed: "
+        f"{found['least_force_unconfirmed']} of the least force, "
+        f"{found['smaller_turn_on_grid']} of the smallest turn."
     )
 
 
@@ -507,7 +506,7 @@ def section(situation: Situation) -> HandleSection:
     ends = around + AROUND_DEG * np.array([-1.0, 1.0])
     return HandleSection(
         outline=spots(np.arange(0.5, 360.0, 1.0)),
-        swept=spots(np.linspace(*ends, 61)),
+        swept=spots(np.linspace(ends[0], ends[1], 61)),
         ends=tuple(f"{end:g}°" for end in ends),
         fingers=tuple(
             SectionFinger(

@@ -17,6 +17,7 @@ PACKAGE = Path(pivotgait.__file__).parent
 LAYERS = (
     "exceptions",
     "frozen",
+    "atomic",
     "models",
     "plans",
     "contacts",

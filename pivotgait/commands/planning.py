@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import secrets
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -13,6 +12,7 @@ from typing import Any
 
 from rich.markup import escape
 
+from pivotgait.atomic import write_atomically
 from pivotgait.certification import Certificate, certify
 from pivotgait.commands.output import Output, verdict
 from pivotgait.exceptions import InputError
@@ -240,10 +240,4 @@ def writable(path: Path) -> None:
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
     """Write JSON whole or not at all."""
-    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    try:
-        partial.write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        partial.replace(path)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
+    write_atomically((json.dumps(data, indent=2, allow_nan=False) + "\n").encode(), path)

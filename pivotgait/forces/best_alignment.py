@@ -8,12 +8,14 @@ ten random starts of IPOPT miss more.
 
 from __future__ import annotations
 
+from typing import Any, cast
+
 import numpy as np
 from numpy.typing import NDArray
 
 from pivotgait.forces.cone_batch import ConeBatch
 from pivotgait.forces.goal import Goal
-from pivotgait.forces.primal_dual import minimise
+from pivotgait.forces.primal_dual import minimise, require_optimal
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -27,6 +29,8 @@ ROUGH_GAP, ROUGH_RESIDUAL = 1e-2, 1e-3
 """Starts are first followed this far: enough to tell their minima apart."""
 CLOSE = 5e-2
 """Those within this share of the best value are finished."""
+ROOM = 1e-3
+"""Problems whose middle is this deep inside are followed roughly in single precision."""
 APART = 1e-2
 """Ends of one problem nearer than this, in units of its force scale, are the same minimum."""
 
@@ -38,34 +42,52 @@ def best_alignment(cones: ConeBatch, z: Array) -> tuple[Array, int]:
         cones: the constraints.
         z: (d, B) strictly feasible points.
     """
+    if cones.cones < 3 or z.shape[0] < 2:
+        end = minimise(cones, Goal(smooth="alignment"), z)
+        require_optimal(end)
+        return end.z, int(end.iterations.max())
+    roomy = cones.interior(cones.slack(z)) > ROOM
+    out, steps = np.array(z), 0
+    for mask, precision in ((roomy, np.float32), (~roomy, np.float64)):
+        part = np.nonzero(mask)[0]
+        if part.size:
+            out[:, part], used = _best_of_starts(cones.take(part), z[:, part], precision)
+            steps = max(steps, used)
+    return out, steps
+
+
+def _best_of_starts(cones: ConeBatch, z: Array, precision: type[Any]) -> tuple[Array, int]:
     count, batch = cones.head.shape
     goal = Goal(smooth="alignment")
-    if count < 3 or z.shape[0] < 2:
-        end = minimise(cones, goal, z)
-        return end.z, int(end.iterations.max())
 
     # Start j < count leaves contact j out, start j = count is the middle.
     copies = np.tile(np.arange(batch), count + 1)
-    many = cones.take(copies)
-    weight = np.ones((count, count + 1, batch))
+    many = cones.astype(precision).take(copies)
+    middle = cast(Array, z.astype(precision))[:, copies]
+    weight = np.ones((count, count + 1, batch), dtype=precision)
     weight[np.arange(count), np.arange(count)] = LEFT_OUT
     leaving = Goal(smooth="alignment", weight=weight.reshape(count, -1))
-    away = minimise(many, leaving, z[:, copies], limit=LEAVING_STEPS)
+    away = minimise(many, leaving, middle, limit=LEAVING_STEPS)
 
     def rough(value: Array, gap: Array, residual: Array) -> Mask:
         return np.asarray((gap <= ROUGH_GAP * value) & (residual <= ROUGH_RESIDUAL))
 
     # Fresh duals and some of the middle again, or a start stays in the corner it grew into.
-    back = AWAY * away.z + (1.0 - AWAY) * z[:, copies]
+    back = middle + AWAY * (away.z - middle)
     end = minimise(many, goal, back, stop=rough)
     value = end.value.reshape(count + 1, batch)
     best = value.min(axis=0)
     hopeful = np.nonzero((value <= best * (1.0 + CLOSE)).reshape(-1))[0]
     hopeful = _distinct(hopeful, end.z, batch)
-    last = minimise(cones.take(hopeful % batch), goal, end.z[:, hopeful], dual=end.dual[:, hopeful])
+
+    which = hopeful % batch
+    finalists, near = cones.take(which), end.z[:, hopeful].astype(float)
+    near = np.where(finalists.inside(finalists.slack(near)), near, z[:, which])
+    last = minimise(finalists, goal, near, dual=end.dual[:, hopeful])
+    require_optimal(last)
     order = np.argsort(-last.value, kind="stable")
     out = np.array(z)
-    out[:, hopeful[order] % batch] = last.z[:, order]
+    out[:, which[order]] = last.z[:, order]
     steps = away.iterations.max() + end.iterations.max() + last.iterations.max()
     return out, int(steps)
 

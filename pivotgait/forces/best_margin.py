@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pivotgait.exceptions import SolverError
 from pivotgait.forces import cone_algebra as algebra
 from pivotgait.forces.cone_batch import ConeBatch
 from pivotgait.forces.goal import Goal
 from pivotgait.forces.phase_one import phase_one
-from pivotgait.forces.primal_dual import minimise
+from pivotgait.forces.primal_dual import minimise, require_optimal
 from pivotgait.forces.problem import MARGIN_SLACK
 
 Array = NDArray[np.float64]
@@ -51,11 +52,14 @@ def best_margin(cones: ConeBatch, z: Array) -> tuple[Array, int]:
         open_ = open_[gain > 0.1 * MARGIN_SLACK]
         if open_.size == 0:
             break
+    else:
+        raise SolverError(f"the margin still grows after {ROUNDS} rounds", mend="use solver='clarabel'")
     thin = _shrunk(cones, ratio + MARGIN_SLACK)
     first = phase_one(thin)
     ok = np.nonzero(first.shift < 0.0)[0]
     if ok.size:
         end = minimise(thin.take(ok), Goal(smooth="tangential"), first.z[:, ok])
+        require_optimal(end)
         best[:, ok] = end.z
         steps += int(end.iterations.max())
     return best, steps

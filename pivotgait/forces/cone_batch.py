@@ -6,6 +6,7 @@ The batch is the last axis of every array, so that numpy's loops run along memor
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +52,11 @@ class ConeBatch:
             np.take(self.head, index, axis=-1),
         )
 
+    def astype(self, precision: type[Any]) -> ConeBatch:
+        """The problems in another floating-point precision."""
+        parts = (self.matrix, self.offset, self.head)
+        return ConeBatch(*(cast(Array, part.astype(precision, copy=False)) for part in parts))
+
     def slack(self, z: Array) -> Array:
         """(q, B) slacks at z (d, B)."""
         return self.offset + self.image(z)
@@ -92,8 +98,8 @@ class ConeBatch:
             det, line = np.where(inside, det, 1.0), np.where(inside, line, 1.0)
         product = np.sqrt(det.prod(axis=0)) * line.prod(axis=0)
         # A product of a dozen factors takes one logarithm, unless it leaves the range.
-        range_ = np.finfo(product.dtype)
-        if np.all(product > 1e3 * range_.tiny) and np.all(product < 1e-3 * range_.max):
+        span = np.finfo(product.dtype)
+        if np.all(product > 1e3 * span.tiny) and np.all(product < 1e-3 * span.max):
             return inside, -np.log(product)
         return inside, -0.5 * np.log(det).sum(axis=0) - np.log(line).sum(axis=0)
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pivotgait.exceptions import SolverError
 from pivotgait.forces.cone_batch import ConeBatch
 from pivotgait.forces.goal import Goal
 from pivotgait.forces.newton_step import advance
@@ -23,6 +24,9 @@ GAP_TOLERANCE = 1e-9
 """Complementarity over the objective's size: leaves objectives right to about nine digits."""
 GRADIENT_TOLERANCE = 1e-8
 """Dual residual over the gradient's size; forces are scaled to about one."""
+
+ACCEPTED = 1e-6
+"""A gap that stalls above this share of the objective is an error, not an answer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,14 +68,14 @@ def minimise(
         cones: the constraints.
         goal: the objective.
         z: (d, B) strictly feasible points.
-        dual: (q, B) interior duals to go on from, or None.
+        dual: (q, B) duals to go on from, or None; those that are not interior are replaced.
         stop: (value, gap, residual) -> (B,) whether a problem may leave early.
         limit: most Newton steps.
     """
     q, count = cones.offset.shape
     end = Iterate(
         z=np.array(z),
-        dual=np.zeros((q, count)),
+        dual=np.zeros((q, count), dtype=z.dtype),
         value=np.full(count, np.inf),
         gap=np.full(count, np.inf),
         converged=np.zeros(count, dtype=bool),
@@ -79,7 +83,8 @@ def minimise(
     )
     active = np.arange(count)
     s = cones.slack(z)
-    dual = _first_dual(cones, goal, s) if dual is None else dual
+    fresh = _first_dual(cones, goal, s)
+    dual = fresh if dual is None else np.where(cones.inside(dual), dual, fresh)
     for iteration in range(limit + 1):
         slope = goal.slope(cones, s)
         residual = np.abs(slope - cones.transposed(dual)).max(axis=0, initial=0.0)
@@ -110,6 +115,16 @@ def minimise(
         floor = np.minimum(0.1 * np.maximum(target, residual), gap) / cones.degree
         z, s, dual = advance(cones, goal, z, s, dual, slope, gap, floor)
     return end
+
+
+def require_optimal(end: Iterate) -> None:
+    """Refuse points that are not optimal to :data:`ACCEPTED`.
+
+    Raises:
+        SolverError: the steps ran out or the method stalled.
+    """
+    if not np.all(end.gap <= ACCEPTED * np.maximum(np.abs(end.value), 1.0)):
+        raise SolverError("the interior point method stalled", mend="use solver='clarabel'")
 
 
 def _first_dual(cones: ConeBatch, goal: Goal, s: Array) -> Array:

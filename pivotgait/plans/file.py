@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import secrets
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from pivotgait.atomic import write_atomically
 from pivotgait.exceptions import PlanFileError
 from pivotgait.plans.check import check_plan
 from pivotgait.plans.layout import MAX_FILE_BYTES
@@ -39,7 +38,7 @@ def write_plan(plan: GaitPlan, path: Path | str) -> None:
             f"would take {len(image) >> 20} MB", where=path.name, mend="use fewer samples or phases"
         )
     try:
-        _write_atomically(image, path)
+        write_atomically(image, path)
     except (OSError, ValueError) as error:
         raise PlanFileError(
             f"cannot be written: {error}", where=str(path), mend="check the folder"
@@ -102,16 +101,3 @@ def _read_bytes(path: Path) -> bytes:
             f"is larger than {MAX_FILE_BYTES >> 20} MB", where=str(path), mend="use fewer samples"
         )
     return image
-
-
-def _write_atomically(data: bytes, path: Path) -> None:
-    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    try:
-        with partial.open("xb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise

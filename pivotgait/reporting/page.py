@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import base64
-import os
-import secrets
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from pivotgait.atomic import write_atomically
 from pivotgait.exceptions import InputError
 from pivotgait.plans.plan import GaitPlan
 from pivotgait.reporting.numbers import number, quantity
@@ -90,7 +89,7 @@ def write_report(
     path = folder / "report.html"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        _write_atomically(text.encode(), path)
+        write_atomically(text.encode(), path)
     except OSError as error:
         raise InputError(
             f"cannot be written: {error.strerror}", where=str(path), mend="check the folder"
@@ -137,16 +136,3 @@ def render_report(
             if (pictures := [f for f in figures.values() if f.phase == phase.name])
         ],
     )
-
-
-def _write_atomically(data: bytes, path: Path) -> None:
-    partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    try:
-        with partial.open("xb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise

@@ -160,7 +160,7 @@ def test_a_failure_leaves_the_old_page_and_no_trace(
     def full(_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("pivotgait.reporting.page.os.fsync", full)
+    monkeypatch.setattr("pivotgait.atomic.os.fsync", full)
     with pytest.raises(InputError, match="No space left") as caught:
         write_report(tmp_path, plan, None, figures)
     assert caught.value.exit_code == 2
