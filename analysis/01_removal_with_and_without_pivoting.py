@@ -73,6 +73,8 @@ NO_FORCE_N, NO_TURN_DEG = 1e-6, 1e-4
 """Less than this is 0: ten times what the solvers leave."""
 DETOUR_DEG = 1.0
 """A planned removal that turns this much more than needed ended in a worse local optimum."""
+BOUND_DEG = 0.05
+"""A removal that turns this much less than the bound shows that the bound is none."""
 OUTCOMES = ("planned", "detour", "solver failed", "infeasible", "no start", "no place")
 
 
@@ -154,7 +156,8 @@ class Cell:
         least_N: without moving, its least normal force.
         bracketed: whether the package's allocation finds forces 1 % above it and none 1 % below.
         needed_deg: smallest turn after which the others hold the tool.
-        nearer_found: whether a grid of smaller turns has one that they can hold after all.
+        nearer_found: whether a grid of smaller turns has one that they can hold after all, or
+            the planned removal itself turns less: then ``needed_deg`` is not the smallest.
         planned_deg: turn of the planned removal.
         cost: of the planned removal.
         iterations: of its solver.
@@ -223,6 +226,7 @@ def solve_cell(situation: Situation, friction: float, along_m: float, around_deg
     return cell(
         "detour" if planned > needed + DETOUR_DEG else "planned",
         planned_deg=planned,
+        nearer_found=cell.keywords["nearer_found"] or planned < needed - BOUND_DEG,
         cost=phase.record["cost"],
         iterations=phase.record["iterations"],
         solver=phase.record["solver"],
@@ -263,7 +267,8 @@ def is_bracketed(problem: AllocationProblem, least: float) -> bool:
         normal_fixed=fixed,
         objective="effort",
     )
-    return allocate(repeated, "interior_point").feasible.tolist() == [True, False][:count]
+    feasible = allocate(repeated, "interior_point").feasible
+    return bool(np.array_equal(feasible, [True, False][:count]))
 
 
 def nearer_turn(situation: Situation, staying: Sequence[HandleContact], needed_deg: float) -> bool:
@@ -271,10 +276,11 @@ def nearer_turn(situation: Situation, staying: Sequence[HandleContact], needed_d
     if needed_deg == 0.0:
         return False
     sizes = np.radians(needed_deg) * np.array([0.0, 0.25, 0.5, 0.75, 0.9, 0.98])
-    turns = (sizes[:, None, None] * _directions(200)).reshape(-1, 3)
-    problem = situation.static(Rotation.from_rotvec(turns), staying)
-    held = allocate(replace(problem, objective="effort"), "interior_point")
-    return bool(held.feasible.any())
+    turns = Rotation.from_rotvec((sizes[:, None, None] * _directions(200)).reshape(-1, 3))
+    problem = replace(situation.static(turns, staying), objective="effort")
+    scene = situation.setting.scene
+    clear = scene.height(situation.rotation * turns) >= scene.clearance
+    return bool((allocate(problem, "interior_point").feasible & clear).any())
 
 
 def _directions(count: int) -> Array:
@@ -402,7 +408,7 @@ def findings(sweeps: dict[str, Sweep]) -> dict[str, Any]:
         },
         "nominal_friction_without_moving": min(free, default=float("nan")),
         "least_force_unconfirmed": sum(not cell.bracketed for cell in cells),
-        "smaller_turn_on_grid": sum(cell.nearer_found for cell in cells),
+        "smaller_turn_exists": sum(cell.nearer_found for cell in cells),
     }
 
 
@@ -448,7 +454,7 @@ def tell(
         f"{extra['median']:.3f} deg (median; at most {extra['largest']:.2f}) more than needed. "
         f"Outcomes: {found['outcomes']}, by {found['solvers']}. Checks failed: "
         f"{found['least_force_unconfirmed']} of the least force, "
-        f"{found['smaller_turn_on_grid']} of the smallest turn."
+        f"{found['smaller_turn_exists']} of the smallest turn."
     )
 
 

@@ -2,13 +2,15 @@
 
 A removal ends at rest, without the leaving finger. It is possible only if some orientation near
 the start admits forces of the others that satisfy (3) with omega = omega' = 0, (5) and (6); the
-smallest such turn is a bound from below on the reorientation of any removal.
+smallest such turn bounds the reorientation of any removal from below (the search for it is
+local, from fifteen starts: a smaller one may be missed where 30 degrees and more are needed).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -22,8 +24,8 @@ from pivotgait.phases.removal_problem import RemovalProblem
 
 Array = NDArray[np.float64]
 
-TURN_STARTS_RAD = 0.35
-"""Size of the turns, about each axis of the tool, from which the search starts."""
+TURN_STARTS_RAD = (0.35, 0.6)
+"""Size of the turns from which the search starts: about each axis of the tool, and diagonally."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +50,8 @@ class StaticTurn:
 def smallest_turn(problem: RemovalProblem) -> StaticTurn:
     """The smallest turn from the start after which the staying fingers hold the tool at rest.
 
-    A local method started from seven orientations: the start itself and turns either way about
-    each axis of the tool. The best answer is returned.
+    A local method started from fifteen orientations: the start itself and turns about the tool's
+    axes and diagonals. The best answer is returned.
 
     Args:
         problem: of the removal; its steps, ramp and weights play no role.
@@ -76,7 +78,9 @@ def smallest_turn(problem: RemovalProblem) -> StaticTurn:
 def _starts() -> list[Array]:
     turns = [np.zeros(3)]
     for axis in np.eye(3):
-        turns += [TURN_STARTS_RAD * axis, -TURN_STARTS_RAD * axis]
+        turns += [TURN_STARTS_RAD[0] * axis, -TURN_STARTS_RAD[0] * axis]
+    for signs in product((1.0, -1.0), repeat=3):
+        turns.append(TURN_STARTS_RAD[1] * np.array(signs) / np.sqrt(3.0))
     return turns
 
 

@@ -127,7 +127,7 @@ def pivoting_maps(
     axes[0, 1].set_title(f"pivoting needed to\nremove {leaving} [deg]")
     for mesh, column in ((first, 0), (second, 1)):
         bar = figure.colorbar(mesh, cax=axes[2, column], orientation="horizontal")
-        bar.locator = MaxNLocator(6)
+        bar.locator = MaxNLocator(6, integer=True)
         bar.update_ticks()
     axes[2, 2].axis("off")
     _draw_lines(axes[0, 2], lines, FINGER_COLOURS.get(moved, LIMIT_COLOUR))
@@ -135,11 +135,11 @@ def pivoting_maps(
     _draw_section(axes[1, 2], section, moved)
     own = axes[0, 0].plot([], [], "v", color=LIMIT_COLOUR, ms=4)[0]
     edge = axes[0, 0].plot([], [], color=LIMIT_COLOUR, lw=1.2, ls=(0, (3, 1.5)))[0]
-    entries = [(own, "the scene's own place"), (edge, "no pivoting needed beyond")]
+    entries = [(own, "scene's own place"), (edge, "no pivoting beyond")]
     if _any(maps, "failed"):
-        entries.append((marks[0], "planner found no motion"))
+        entries.append((marks[0], "no motion found"))
     if _any(maps, "detour"):
-        entries.append((marks[1], "planner turned much more than needed"))
+        entries.append((marks[1], "planned turn far above need"))
     handles, texts = zip(*entries, strict=True)
     place = {"loc": "outside lower left", "ncols": len(entries), "frameon": False}
     figure.legend(handles, texts, handletextpad=0.4, columnspacing=1.5, **place)
