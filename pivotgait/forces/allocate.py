@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pivotgait.exceptions import UnknownNameError
+from pivotgait.forces.found import Found
 from pivotgait.forces.problem import AllocationProblem
 from pivotgait.forces.solution import Allocation
 
@@ -16,7 +16,6 @@ Solver = Literal["auto", "interior_point", "clarabel", "cvxpy", "proxqp"]
 SOLVERS: tuple[str, ...] = get_args(Solver)[1:]
 FEW_SAMPLES = 4
 """Up to this many samples Clarabel, one by one, beats the batched solver's numpy overhead."""
-Answer = tuple[NDArray[np.float64], NDArray[np.bool_], int]
 
 
 def allocate(problem: AllocationProblem, solver: Solver = "auto") -> Allocation:
@@ -40,11 +39,24 @@ def allocate(problem: AllocationProblem, solver: Solver = "auto") -> Allocation:
     if solver == "auto":
         few = problem.samples <= FEW_SAMPLES and problem.objective in ("tangential", "effort")
         name = "clarabel" if problem.coupled or few else "interior_point"
-    force, feasible, iterations = _solver(name)(problem)
-    return Allocation.of(problem, force, feasible, name, iterations)
+    answer = Allocation.of(problem, _solver(name)(problem), name)
+    if solver == "auto" and problem.objective == "margin" and not answer.converged:
+        other = Allocation.of(problem, _solver("clarabel")(problem), "clarabel")
+        return _larger_margin(answer, other)
+    return answer
 
 
-def _solver(name: str) -> Callable[[AllocationProblem], Answer]:
+def _larger_margin(first: Allocation, second: Allocation) -> Allocation:
+    """Sample by sample the answer with the larger margin; the linear programs of ``margin`` can
+    stall in either solver, and do so on different samples."""
+    better = second.feasible & ~(second.objective <= first.objective)
+    force = np.where(better[:, None, None], second.force, first.force)
+    iterations = max(first.iterations, second.iterations)
+    found = Found(force, first.feasible | second.feasible, iterations, second.converged)
+    return Allocation.of(first.problem, found, f"{first.solver} and {second.solver}")
+
+
+def _solver(name: str) -> Callable[[AllocationProblem], Found]:
     if name == "interior_point":
         from pivotgait.forces.interior_point import solve
     elif name == "clarabel":

@@ -17,13 +17,22 @@ Array = NDArray[np.float64]
 ROUNDS = 30
 
 
-def best_margin(cones: ConeBatch, z: Array) -> tuple[Array, int]:
-    """Dinkelbach's method on the largest |f_t| / (mu f_n), then ``tangential`` within it."""
+def best_margin(cones: ConeBatch, z: Array) -> tuple[Array, int, bool]:
+    """Dinkelbach's method on the largest |f_t| / (mu f_n), then ``tangential`` within it.
+
+    Args:
+        cones: the constraints.
+        z: (d, B) strictly feasible points.
+
+    Returns:
+        Points (d, B), Newton steps, and whether every last round proved its margin the best.
+    """
     q, d, batch = cones.matrix.shape
     heads = slice(2 * cones.cones, 3 * cones.cones)
     start, best = z, np.array(z)
     ratio = _worst_ratio(cones, z)
     open_ = np.arange(batch)
+    gap = np.full(batch, np.inf)
     steps = 0
     for _ in range(ROUNDS):
         part = cones.take(open_)
@@ -44,6 +53,7 @@ def best_margin(cones: ConeBatch, z: Array) -> tuple[Array, int]:
         lift = np.concatenate((start[:, open_], np.maximum(need, 0.0)[None] + 0.1))
         end = minimise(lifted, Goal(linear=np.append(np.zeros(d), 1.0)), lift)
         steps += int(end.iterations.max())
+        gap[open_] = end.gap
         new = _worst_ratio(part, end.z[:-1])
         gain = ratio[open_] - new
         better = gain > 0.0
@@ -53,7 +63,9 @@ def best_margin(cones: ConeBatch, z: Array) -> tuple[Array, int]:
         if open_.size == 0:
             break
     else:
-        raise SolverError(f"the margin still grows after {ROUNDS} rounds", mend="use solver='clarabel'")
+        raise SolverError(
+            f"the margin still grows after {ROUNDS} rounds", mend="use solver='clarabel'"
+        )
     thin = _shrunk(cones, ratio + MARGIN_SLACK)
     first = phase_one(thin)
     ok = np.nonzero(first.shift < 0.0)[0]
@@ -62,7 +74,7 @@ def best_margin(cones: ConeBatch, z: Array) -> tuple[Array, int]:
         require_optimal(end)
         best[:, ok] = end.z
         steps += int(end.iterations.max())
-    return best, steps
+    return best, steps, bool(np.all(gap <= MARGIN_SLACK))
 
 
 def _worst_ratio(cones: ConeBatch, z: Array) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
@@ -17,23 +19,23 @@ class Cholesky:
     Attributes:
         positive: (B,) whether the matrix is positive definite; where not, solutions mean
             nothing.
-        few: whether they are factorised one by one.
     """
 
-    def __init__(self, matrix: Array, *, few: bool | None = None) -> None:
+    def __init__(self, matrix: Array, *, few: bool = True) -> None:
         """Factorise matrix (d, d, B); it is not changed.
 
         Args:
             matrix: only its lower triangles are read.
-            few: one by one, or (None) where the batch is small.
+            few: let LAPACK do small batches of positive definite matrices, one by one.
         """
         d, _, batch = matrix.shape
-        self.few = (batch <= FEW) if few is None else few
-        if self.few:
+        self._factors: list[Any] = []
+        if few and batch <= FEW:
             factors = [lapack.dpotrf(matrix[..., b], lower=1) for b in range(batch)]
-            self._factors = [factor for factor, _ in factors]
-            self.positive = np.array([info == 0 for _, info in factors])
-            return
+            if all(info == 0 for _, info in factors):
+                self._factors = [factor for factor, _ in factors]
+                self.positive = np.ones(batch, dtype=bool)
+                return
         lower = np.array(matrix)
         self.positive = np.ones(batch, dtype=bool)
         for k in range(d):
@@ -47,19 +49,16 @@ class Cholesky:
                 lower[j, k + 1 : j + 1] -= lower[j, k] * below[: j - k]
         self._lower = lower
 
-    def replace(self, index: NDArray[np.intp], other: Cholesky) -> None:
-        """Take the factors at ``index`` from another batch."""
+    def replace(self, index: NDArray[np.intp], matrix: Array) -> None:
+        """Factorise other matrices (d, d, len(index)) where not all were positive definite."""
+        other = Cholesky(matrix, few=False)
         self.positive[index] = other.positive
-        if self.few:
-            for b, factor in zip(index, other._factors, strict=True):
-                self._factors[b] = factor
-        else:
-            self._lower[..., index] = other._lower
+        self._lower[..., index] = other._lower
 
     def solve(self, side: Array) -> Array:
         """(d, ..., B) solutions for right-hand sides (d, ..., B)."""
         x = np.array(side)
-        if self.few:
+        if self._factors:
             for b, factor in enumerate(self._factors):
                 x[..., b] = lapack.dpotrs(factor, side[..., b], lower=1)[0]
             return x

@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 from pivotgait.exceptions import SolverError
 from pivotgait.forces import objectives
 from pivotgait.forces.conic_program import ConicProgram
+from pivotgait.forces.found import Found
+from pivotgait.forces.local_form import LocalForm, local_form
 from pivotgait.forces.problem import MARGIN_SLACK, AllocationProblem
+from pivotgait.forces.single_sample import assemble, serves
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -24,38 +27,50 @@ ROUNDS = 60
 """Successive programs for ``alignment``: a handful is usual, flat valleys take more."""
 DECREASE = 1e-10
 """``alignment`` ends when a round promises less than this per loaded contact."""
+STALLED = 1e-6
+"""``alignment`` has converged if its last round promised less than this per loaded contact."""
 
 
-def solve(problem: AllocationProblem) -> tuple[Array, Mask, int]:
-    """Forces (T, m, 3), NaN where infeasible; feasible (T,); the most iterations of a sample.
+def solve(problem: AllocationProblem) -> Found:
+    """Forces and the most iterations of a sample.
 
     Raises:
         SolverError: Clarabel ended without an answer or a proof that there is none.
     """
+    if serves(problem):
+        return _solve_single(problem)
     if problem.coupled or problem.samples == 1:
-        x, steps = _solve_one(problem)
+        x, steps, converged = _solve_one(problem)
         feasible = np.full(problem.samples, x is not None)
         force = np.full((problem.samples, problem.contacts, 3), np.nan) if x is None else x
-        return force, feasible, steps
-    parts = [solve(problem.sample(k)) for k in range(problem.samples)]
-    force = np.concatenate([part[0] for part in parts])
-    feasible = np.concatenate([part[1] for part in parts])
-    return force, feasible, max(part[2] for part in parts)
+        return Found(force, feasible, steps, converged)
+    return Found.of([solve(problem.sample(k)) for k in range(problem.samples)])
 
 
-def _solve_one(problem: AllocationProblem) -> tuple[Array | None, int]:
-    program = ConicProgram.of(problem)
+def _solve_single(problem: AllocationProblem) -> Found:
+    form = local_form(problem)
+    v, steps = _optimum(*assemble(problem, form))
+    if v is None:
+        return Found(np.full(form.value.shape, np.nan), np.zeros(1, dtype=bool), steps)
+    x, loaded = np.array(form.value), ~form.known.all(axis=-1)
+    x[loaded] = v[: 3 * int(loaded.sum())].reshape(-1, 3)
+    x = np.where(form.known, form.value, x)
+    return Found(form.world(_onto_wrench(form, problem.wrench, x)), np.ones(1, dtype=bool), steps)
+
+
+def _solve_one(problem: AllocationProblem) -> tuple[Array | None, int, bool]:
+    program, converged = ConicProgram.of(problem), True
     if not program.given_fits():
-        return None, 0
+        return None, 0, True
     if problem.objective == "margin":
         x, steps = _margin(program)
     elif problem.objective == "alignment":
-        x, steps = _alignment(program)
+        x, steps, converged = _alignment(program)
     else:
         program.add_rows()
         program.add_rate()
         x, steps = _convex(program, problem.objective)
-    return None if x is None else program.form.world(x), steps
+    return None if x is None else program.form.world(x), steps, converged
 
 
 def _convex(program: ConicProgram, objective: str) -> tuple[Array | None, int]:
@@ -69,15 +84,18 @@ def _convex(program: ConicProgram, objective: str) -> tuple[Array | None, int]:
     return _run(program, _Compiled(program), curvature, np.zeros(program.free.size))
 
 
-def _alignment(program: ConicProgram) -> tuple[Array | None, int]:
-    """Successive conic programs on the convex part of the curvature, with a line search."""
+def _alignment(program: ConicProgram) -> tuple[Array | None, int, bool]:
+    """Successive conic programs on the convex part of the curvature, with a line search.
+
+    Where a contact's force may vanish its curvature has no bound, and Clarabel may fail.
+    """
     first = replace(program.problem, objective="tangential")
     start = ConicProgram.of(first)
     start.add_rows()
     start.add_rate()
     x, steps = _convex(start, "tangential")
     if x is None:
-        return None, steps
+        return None, steps, True
     program.add_rows()
     program.add_rate()
     program.add_friction()
@@ -88,7 +106,7 @@ def _alignment(program: ConicProgram) -> tuple[Array | None, int]:
     def total(x: Array) -> float:
         return float(objectives.value("alignment", x[loaded].T).sum())
 
-    now = total(x)
+    now, promise = total(x), np.inf
     for _ in range(ROUNDS):
         gradient, curvature = np.zeros(x.shape), np.zeros((*x.shape, 3))
         gradient[loaded] = objectives.gradient("alignment", x[loaded].T).T
@@ -98,7 +116,7 @@ def _alignment(program: ConicProgram) -> tuple[Array | None, int]:
         try:
             aim, used = _run(program, compiled, curvature, linear.reshape(-1))
         except SolverError:
-            break  # x is feasible, and better than where it began
+            break  # x is feasible; whether it is optimal, the last promise tells
         steps += used
         if aim is None:
             raise SolverError("Clarabel lost a feasible allocation", mend="loosen its bounds")
@@ -110,7 +128,7 @@ def _alignment(program: ConicProgram) -> tuple[Array | None, int]:
             length *= 0.5
         x = x + length * (aim - x)
         now = total(x)
-    return x, steps
+    return x, steps, bool(promise <= STALLED * count)
 
 
 def _margin(program: ConicProgram) -> tuple[Array | None, int]:
@@ -148,6 +166,8 @@ def _margin(program: ConicProgram) -> tuple[Array | None, int]:
             x, ratio = aim, worst(aim)
         if gain <= 1e-3 * MARGIN_SLACK:
             break
+    else:
+        raise SolverError(f"the margin still grows after {ROUNDS} rounds")
     final = ConicProgram.of(problem)
     final.friction = (ratio + MARGIN_SLACK) * problem.friction * np.ones(judged.shape)
     final.add_rows()
@@ -206,8 +226,6 @@ def _run(
     program: ConicProgram, compiled: _Compiled, curvature: Array | None, linear: Array
 ) -> tuple[Array | None, int]:
     """Contact coordinates (T, m, 3) of the program's optimum, or None if it has no point."""
-    import clarabel
-
     free = program.free
     known = program.form.known
     x = np.array(program.form.value)
@@ -222,6 +240,19 @@ def _run(
         row = np.broadcast_to(place[..., :, None], both.shape)[both]
         column = np.broadcast_to(place[..., None, :], both.shape)[both]
         quadratic = _sparse(row, column, curvature[both], compiled.width, compiled.width)
+    v, steps = _optimum(quadratic, linear[free], compiled.matrix, compiled.side, compiled.cones)
+    if v is None:
+        return None, steps
+    x[~known] = v[: int((~known).sum())]
+    return _onto_wrench(program.form, program.problem.wrench, x), steps
+
+
+def _optimum(
+    quadratic: Any, linear: Array, matrix: Any, side: Array, cones: list[Any]
+) -> tuple[Array | None, int]:
+    """Optimum of Clarabel's standard form, or None if it has no point, and the iterations."""
+    import clarabel
+
     steps = 0
     for tolerance in (TOLERANCE, ACCEPTED):
         settings = clarabel.DefaultSettings()
@@ -230,21 +261,15 @@ def _run(
         settings.max_threads = 1
         settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = tolerance
         settings.tol_infeas_abs = settings.tol_infeas_rel = TOLERANCE
-        solver = clarabel.DefaultSolver(
-            quadratic, linear[free], compiled.matrix, compiled.side, compiled.cones, settings
-        )
-        answer = solver.solve()
+        answer = clarabel.DefaultSolver(quadratic, linear, matrix, side, cones, settings).solve()
         status, v = str(answer.status), np.asarray(answer.x)
         steps += int(answer.iterations)
         if "Infeasible" in status:
             return None, steps
         close = status in ("Solved", "AlmostSolved") or answer.r_prim < ACCEPTED
         if close and np.all(np.isfinite(v)):
-            break
-    else:
-        raise SolverError(f"Clarabel ended with {status}", mend="use solver='interior_point'")
-    x[~known] = v[: int((~known).sum())]
-    return _onto_wrench(program, x), steps
+            return v, steps
+    raise SolverError(f"Clarabel ended with {status}", mend="use solver='interior_point'")
 
 
 def _sparse(row: Index, column: Index, entry: Array, rows: int, columns: int) -> Any:
@@ -258,9 +283,8 @@ def _sparse(row: Index, column: Index, entry: Array, rows: int, columns: int) ->
     return csc_matrix((entry[order], indices, start), shape=(rows, columns))
 
 
-def _onto_wrench(program: ConicProgram, x: Array) -> Array:
+def _onto_wrench(form: LocalForm, wrench: Array, x: Array) -> Array:
     """The nearest forces that apply the wrench to rounding; moves them by the solver's residual."""
-    form, wrench = program.form, program.problem.wrench
     flat = x.reshape(len(x), -1)
     miss = wrench - (form.grasp @ flat[..., None])[..., 0]
     grasp = form.grasp * ~form.known.reshape(len(x), 1, -1)

@@ -96,12 +96,7 @@ class ConeBatch:
         inside = np.all(det > 0.0, axis=0) & np.all(line > 0.0, axis=0)
         if not inside.all():
             det, line = np.where(inside, det, 1.0), np.where(inside, line, 1.0)
-        product = np.sqrt(det.prod(axis=0)) * line.prod(axis=0)
-        # A product of a dozen factors takes one logarithm, unless it leaves the range.
-        span = np.finfo(product.dtype)
-        if np.all(product > 1e3 * span.tiny) and np.all(product < 1e-3 * span.max):
-            return inside, -np.log(product)
-        return inside, -0.5 * np.log(det).sum(axis=0) - np.log(line).sum(axis=0)
+        return inside, interior_log_barrier(det, line)
 
     def inverse(self, s: Array) -> Array:
         """(q, B) inverse of interior slacks: minus the gradient of the barrier."""
@@ -111,3 +106,13 @@ class ConeBatch:
         inverse_cone[...] = algebra.reflect(cone) / algebra.determinant(cone)
         inverse_line[...] = 1.0 / line
         return out
+
+
+def interior_log_barrier(det: Array, line: Array) -> Array:
+    """(B,) the barrier of determinants (c, B) and scalars, all positive."""
+    product = np.sqrt(det.prod(axis=0)) * line.prod(axis=0)
+    # A product of a dozen factors takes one logarithm, unless it leaves the range.
+    span = np.finfo(product.dtype)
+    if product.min() > 1e3 * span.tiny and product.max() < 1e-3 * span.max:
+        return np.asarray(-np.log(product))
+    return np.asarray(-0.5 * np.log(det).sum(axis=0) - np.log(line).sum(axis=0))

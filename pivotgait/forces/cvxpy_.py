@@ -11,19 +11,19 @@ from numpy.typing import NDArray
 from pivotgait.contacts import grasp_map
 from pivotgait.exceptions import SolverError
 from pivotgait.forces import objectives
+from pivotgait.forces.found import Found
 from pivotgait.forces.local_form import local_form
 from pivotgait.forces.problem import MARGIN_SLACK, AllocationProblem
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 TIGHT = {"tol_feas": 1e-10, "tol_gap_abs": 1e-10, "tol_gap_rel": 1e-10}
 """As tight as the direct solver: a reference must not be the looser one."""
 LOOSE = {"tol_feas": 1e-9, "tol_gap_abs": 1e-9, "tol_gap_rel": 1e-9}
-"""For the sign of a shift that comes close to 0, where the tight ones cannot be met."""
+"""Where the tight ones cannot be met: the sign of a shift that comes close to 0, thin sets."""
 ROUNDS = 60
 
 
-def solve(problem: AllocationProblem) -> tuple[Array, Mask, int]:
+def solve(problem: AllocationProblem) -> Found:
     """Forces (T, m, 3), NaN where infeasible; feasible (T,); the most programs of a sample.
 
     Raises:
@@ -31,14 +31,13 @@ def solve(problem: AllocationProblem) -> tuple[Array, Mask, int]:
     """
     if not (problem.coupled or problem.samples == 1):
         parts = [solve(problem.sample(k)) for k in range(problem.samples)]
-        force = np.concatenate([part[0] for part in parts])
-        feasible = np.concatenate([part[1] for part in parts])
-        return force, feasible, max(part[2] for part in parts)
+        return Found.of(parts)
     solver = {"alignment": _alignment, "margin": _margin}.get(problem.objective, _convex)
     found, programs = solver(problem)
     shape = (problem.samples, problem.contacts, 3)
     feasible = np.full(problem.samples, found is not None)
-    return np.full(shape, np.nan) if found is None else found, feasible, programs
+    force = np.full(shape, np.nan) if found is None else found
+    return Found(force, feasible, programs)
 
 
 def constraints(problem: AllocationProblem, f: list[Any], friction: Array, shift: Any = 0.0) -> Any:
@@ -97,8 +96,11 @@ def _run(goal: Any, rows: Any, f: list[Any], settings: dict[str, float] = TIGHT)
     program = cp.Problem(cp.Minimize(goal), rows)
     try:
         program.solve(solver=cp.CLARABEL, **settings)
-    except cp.error.SolverError as error:
-        raise SolverError(f"CVXPY: {error}", mend="use solver='interior_point'") from error
+    except cp.error.SolverError:
+        try:
+            program.solve(solver=cp.CLARABEL, **LOOSE)
+        except cp.error.SolverError as error:
+            raise SolverError(f"CVXPY: {error}", mend="use solver='interior_point'") from error
     if "infeasible" in program.status:
         return None
     return np.stack([variable.value for variable in f])

@@ -73,6 +73,8 @@ class Diagnosis:
         contact: whose limit; the row's index for ``rows``; empty for the others.
         violation: the smallest common relaxation of all limits that gives forces [N].
         mends: changes of one limit each that suffice, the smallest relative change first.
+        duration: for ``coupling``, the least time [s] from ``start`` to ``end`` at the force
+            rate; 0 if there are not both and a rate.
     """
 
     sample: int
@@ -80,6 +82,7 @@ class Diagnosis:
     contact: str
     violation: float
     mends: tuple[Mend, ...]
+    duration: float = 0.0
 
     def text(self) -> str:
         """One sentence on what binds."""
@@ -89,14 +92,18 @@ class Diagnosis:
         if self.kind == "wrench":
             return f"{where} these contacts cannot apply the wrench ({self.violation:.3g} N short)"
         if self.kind == "coupling":
-            return f"{where} alone there are forces: start, end or force rate forbid them"
+            needs = f"; from start to end needs at least {self.duration:.4g} s"
+            forbid = f"{where} alone there are forces: start, end or force rate forbid them"
+            return forbid + (needs if self.duration > 0.0 else "")
         whose = f" of {self.contact}" if self.contact else ""
         return f"{where} {self.kind}{whose} binds ({self.violation:.3g} N short)"
 
     def mend_text(self) -> str:
         """The mends in words."""
+        if self.kind == "coupling":
+            return "allow more time" + (f", {self.duration:.4g} s or more" * (self.duration > 0.0))
         if not self.mends:
-            return "move or add a contact" if self.kind != "coupling" else "allow more time"
+            return "move or add a contact"
         return "change " + ", or ".join(mend.text() for mend in self.mends[:3])
 
 
@@ -117,13 +124,21 @@ def diagnose(problem: AllocationProblem, sample: int) -> Diagnosis:
     shift = float(relaxed.shift[0])
     if shift <= FEASIBLE:
         kind: Kind = "coupling" if problem.coupled else "none"
-        return Diagnosis(sample, kind, "", 0.0, ())
+        return Diagnosis(sample, kind, "", 0.0, (), _least_duration(problem))
     cone, scalar = group.cones.split(relaxed.dual)
     weight = np.concatenate((cone[2, :, 0], scalar[:, 0]))
     label, index = group.labels[int(np.argmax(weight))]
     contact = str(index) if label == "rows" else problem.names[index]
     violation = shift * float(group.scale[0])
     return Diagnosis(sample, cast(Kind, label), contact, violation, _mends(single))
+
+
+def _least_duration(problem: AllocationProblem) -> float:
+    """Time [s] that the contact with the largest change from start to end takes at the rate."""
+    start, end, rate = problem.start, problem.end, problem.force_rate_max
+    if start is None or end is None or rate is None:
+        return 0.0
+    return float(np.linalg.norm(end - start, axis=1).max() / rate)
 
 
 def _mends(problem: AllocationProblem) -> tuple[Mend, ...]:

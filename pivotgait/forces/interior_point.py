@@ -12,6 +12,7 @@ from pivotgait.exceptions import InputError
 from pivotgait.forces.best_alignment import best_alignment
 from pivotgait.forces.best_margin import best_margin
 from pivotgait.forces.cone_batch import ConeBatch
+from pivotgait.forces.found import Found
 from pivotgait.forces.goal import Goal
 from pivotgait.forces.local_form import LocalForm, local_form
 from pivotgait.forces.null_space import Inconsistent, Reduced, reduce
@@ -20,11 +21,10 @@ from pivotgait.forces.primal_dual import minimise, require_optimal
 from pivotgait.forces.problem import AllocationProblem
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
-def solve(problem: AllocationProblem) -> tuple[Array, Mask, int]:
-    """Forces (T, m, 3), NaN where infeasible; feasible (T,); Newton steps of the slowest sample.
+def solve(problem: AllocationProblem) -> Found:
+    """Forces and the Newton steps of the slowest sample.
 
     Raises:
         InputError: for a coupled problem.
@@ -39,12 +39,10 @@ def solve(problem: AllocationProblem) -> tuple[Array, Mask, int]:
     return solve_form(form, problem.wrench, friction, problem.objective)
 
 
-def solve_form(
-    form: LocalForm, wrench: Array, friction: Array, objective: str
-) -> tuple[Array, Mask, int]:
+def solve_form(form: LocalForm, wrench: Array, friction: Array, objective: str) -> Found:
     """As :func:`solve`, with the friction (T, m) of each sample."""
     x = np.full(form.value.shape, np.nan)
-    steps = 0
+    steps, converged = 0, True
     for group in reduce(form, wrench, friction):
         if isinstance(group, Inconsistent):
             continue
@@ -56,11 +54,11 @@ def solve_form(
         # Without an interior (or unknowns) the point of phase 1 is the answer.
         inner = np.nonzero(first.shift < -1e-3 * FEASIBLE)[0]
         if inner.size and group.basis.shape[2]:
-            z, used = _best(group.cones.take(inner), objective, first.z[:, inner])
+            z, used, proven = _best(group.cones.take(inner), objective, first.z[:, inner])
             x[group.index[inner]] = _part(group, inner).forces(z)
-            steps = max(steps, used)
+            steps, converged = max(steps, used), converged and proven
     force = form.world(x)
-    return force, np.isfinite(x).all(axis=(1, 2)), steps
+    return Found(force, np.isfinite(x).all(axis=(1, 2)), steps, converged)
 
 
 def _part(group: Reduced, keep: NDArray[np.intp]) -> Reduced:
@@ -75,11 +73,11 @@ def _part(group: Reduced, keep: NDArray[np.intp]) -> Reduced:
     )
 
 
-def _best(cones: ConeBatch, objective: str, z: Array) -> tuple[Array, int]:
+def _best(cones: ConeBatch, objective: str, z: Array) -> tuple[Array, int, bool]:
     if objective == "margin":
         return best_margin(cones, z)
     if objective == "alignment":
-        return best_alignment(cones, z)
+        return *best_alignment(cones, z), True
     end = minimise(cones, Goal(smooth=objective), z)
     require_optimal(end)
-    return end.z, int(end.iterations.max())
+    return end.z, int(end.iterations.max()), True

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from pivotgait.forces import cone_algebra as algebra
 from pivotgait.forces.cholesky import Cholesky
-from pivotgait.forces.cone_batch import ConeBatch
+from pivotgait.forces.cone_batch import ConeBatch, interior_log_barrier
 from pivotgait.forces.goal import Goal
 
 Array = NDArray[np.float64]
@@ -16,8 +16,6 @@ HALVINGS = 12
 ROUNDING = 50.0
 """Units of rounding of its trace added to the Newton matrix's diagonal: a face of optima leaves
 directions without curvature, which must stay above rounding."""
-LEVEL = 5e3
-"""Units of rounding by which the barrier function may rise."""
 
 
 def advance(
@@ -26,6 +24,7 @@ def advance(
     z: Array,
     s: Array,
     dual: Array,
+    value: Array,
     slope: Array,
     gap: Array,
     floor: Array,
@@ -41,7 +40,8 @@ def advance(
         z: (d, B) strictly feasible points.
         s: (q, B) their slacks.
         dual: (q, B) interior duals.
-        slope: (d, B) gradient of the goal.
+        value: (B,) the goal.
+        slope: (d, B) its gradient.
         gap: (B,) complementarity s . dual.
         floor: (B,) least barrier weight.
     """
@@ -94,7 +94,7 @@ def advance(
     step = np.minimum(1.0, np.clip(1.0 - weight, 0.99, 0.999) * edge(ds, ddual))
     primal = step
     if goal.smooth is not None:
-        now = _merit(cones, goal, s, weight)
+        now = value + weight * interior_log_barrier(det, line)
         uphill = ~(_merit(cones, goal, s + step * ds, weight) <= now)
         if uphill.any():
             # For a curved goal the correction may point uphill: then do without.
@@ -103,20 +103,24 @@ def advance(
             ddual = aim - weigh(ds)
             step = np.minimum(1.0, np.clip(1.0 - weight, 0.99, 0.999) * edge(ds, ddual))
             few = np.nonzero(uphill)[0]
-            cut = _line_search(
-                cones.take(few), goal.take(few), s[:, few], ds[:, few], step[few], weight[few]
-            )
             primal = np.array(step)
-            primal[few] = cut
+            primal[few] = _line_search(
+                cones.take(few),
+                goal.take(few),
+                s[:, few],
+                ds[:, few],
+                step[few],
+                weight[few],
+                now[few],
+            )
     z = z + primal * dz
     return z, cones.slack(z), dual + step * ddual
 
 
 def _line_search(
-    cones: ConeBatch, goal: Goal, s: Array, ds: Array, step: Array, weight: Array
+    cones: ConeBatch, goal: Goal, s: Array, ds: Array, step: Array, weight: Array, now: Array
 ) -> Array:
-    """(B,) steps halved until the barrier function falls."""
-    now = _merit(cones, goal, s, weight)
+    """(B,) steps halved until the barrier function falls below ``now``."""
     for _ in range(HALVINGS):
         uphill = ~(_merit(cones, goal, s + step * ds, weight) <= now)
         if not uphill.any():
@@ -126,13 +130,12 @@ def _line_search(
 
 
 def _merit(cones: ConeBatch, goal: Goal, s: Array, weight: Array) -> Array:
-    """Barrier function, up to rounding; inf outside."""
+    """Barrier function; inf outside."""
     inside, barrier = cones.log_barrier(s)
     if not inside.all():
         s = np.where(inside, s, 1.0)
     merit = goal.value(cones, s[:0], s) + weight * barrier
-    rest = LEVEL * np.finfo(merit.dtype).eps * (1.0 + np.abs(merit))
-    return np.where(inside, merit - rest, np.inf)
+    return np.where(inside, merit, np.inf)
 
 
 def _newton_factors(
@@ -151,8 +154,7 @@ def _newton_factors(
     if bad.size:
         some = cones.take(bad)
         block = square[..., bad] + goal.take(bad).curvature(some, s[:, bad], concave=0.0)
-        normal = _normal_matrix(some, block, square_line[:, bad])
-        factors.replace(bad, Cholesky(normal, few=factors.few))
+        factors.replace(bad, _normal_matrix(some, block, square_line[:, bad]))
     return factors
 
 

@@ -110,20 +110,21 @@ def minimise(
                 break
             active, cones, goal = active[stay], cones.take(stay), goal.take(stay)
             z, s, dual, slope = z[:, stay], s[:, stay], dual[:, stay], slope[:, stay]
-            gap, residual, target = gap[stay], residual[stay], target[stay]
+            value, gap = value[stay], gap[stay]
+            residual, target = residual[stay], target[stay]
         # Complementarity must not run ahead of the dual residual, nor fall below its goal.
         floor = np.minimum(0.1 * np.maximum(target, residual), gap) / cones.degree
-        z, s, dual = advance(cones, goal, z, s, dual, slope, gap, floor)
+        z, s, dual = advance(cones, goal, z, s, dual, value, slope, gap, floor)
     return end
 
 
-def require_optimal(end: Iterate) -> None:
-    """Refuse points that are not optimal to :data:`ACCEPTED`.
+def require_optimal(end: Iterate, accepted: float = ACCEPTED) -> None:
+    """Refuse points whose gap exceeds a share of the objective.
 
     Raises:
         SolverError: the steps ran out or the method stalled.
     """
-    if not np.all(end.gap <= ACCEPTED * np.maximum(np.abs(end.value), 1.0)):
+    if not np.all(end.gap <= accepted * np.maximum(np.abs(end.value), 1.0)):
         raise SolverError("the interior point method stalled", mend="use solver='clarabel'")
 
 

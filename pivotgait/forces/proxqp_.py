@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pivotgait.contacts import inner_pyramid
 from pivotgait.exceptions import InputError, SolverError
 from pivotgait.forces.cone_batch import ConeBatch
+from pivotgait.forces.found import Found
 from pivotgait.forces.goal import Goal
 from pivotgait.forces.local_form import local_form
 from pivotgait.forces.null_space import Inconsistent, Reduced, reduce
@@ -20,7 +21,6 @@ from pivotgait.forces.phase_one import phase_one
 from pivotgait.forces.problem import AllocationProblem
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 FACETS = 8
 EPS = 1e-9
 """Absolute residual and duality gap asked of ProxQP, on forces scaled to about one."""
@@ -33,7 +33,7 @@ DECREASE = 1e-9
 SUPPORTED = ("alignment", "tangential", "effort")
 
 
-def solve(problem: AllocationProblem) -> tuple[Array, Mask, int]:
+def solve(problem: AllocationProblem) -> Found:
     """Forces (T, m, 3), NaN where the pyramid has no point; feasible (T,); the most programs.
 
     Raises:
@@ -60,7 +60,7 @@ def solve(problem: AllocationProblem) -> tuple[Array, Mask, int]:
             if z is not None:
                 x[sample] = group.forces(np.tile(z[:, None], len(group.index)))[b]
     force = form.world(x)
-    return force, np.isfinite(x).all(axis=(1, 2)), most
+    return Found(force, np.isfinite(x).all(axis=(1, 2)), most)
 
 
 def _rows(cones: ConeBatch) -> tuple[Array, Array]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pivotgait.contacts import cone_margin, friction_margin, grasp_map
 from pivotgait.exceptions import InfeasibleError
+from pivotgait.forces.found import Found
 from pivotgait.forces.problem import AllocationProblem
 from pivotgait.frozen import frozen
 
@@ -29,6 +30,8 @@ class Allocation:
             or the smallest friction margin (``margin``).
         solver: the solver that found them.
         iterations: of its slowest sample.
+        converged: whether every feasible sample reached its optimum. ``margin``, and ``alignment``
+            with coupled rows, may end short of it; the forces hold all limits anyway.
     """
 
     problem: AllocationProblem
@@ -37,18 +40,17 @@ class Allocation:
     objective: Array
     solver: str
     iterations: int
+    converged: bool
 
     @classmethod
-    def of(
-        cls, problem: AllocationProblem, force: Array, feasible: Mask, solver: str, iterations: int
-    ) -> Allocation:
+    def of(cls, problem: AllocationProblem, found: Found, solver: str) -> Allocation:
         """Record forces with their objective; forces of unloaded contacts become exactly 0."""
-        force = np.where(problem.loaded[..., None], force, 0.0)
-        force[~feasible] = np.nan
-        flags = np.array(feasible, dtype=bool)
+        force = np.where(problem.loaded[..., None], found.force, 0.0)
+        force[~found.feasible] = np.nan
+        flags = np.array(found.feasible, dtype=bool)
         flags.setflags(write=False)
         value = frozen(_objective(problem, force))
-        return cls(problem, frozen(force), flags, value, solver, iterations)
+        return cls(problem, frozen(force), flags, value, solver, found.iterations, found.converged)
 
     @property
     def normal_force(self) -> Array:

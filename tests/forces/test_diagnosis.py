@@ -87,3 +87,24 @@ def test_require_tells_what_binds_and_how_to_mend_it():
     with pytest.raises(InfeasibleError, match=r"sample 0.*binds.*from 1 to 1\.25"):
         allocate(pinch(friction=0.2)).require()
     assert allocate(pinch()).require().feasible.all()
+
+
+def test_ends_too_far_apart_for_the_force_rate_name_the_time_they_need():
+    still = pinch()
+    many = {
+        name: np.repeat(getattr(still, name), 6, axis=0)
+        for name in ("lever", "normals", "normal_min", "normal_max", "normal_fixed", "wrench")
+    }
+    weak = replace(still, normal_max=np.full((1, 2), 1.5))
+    # 2.5 N more of squeezing at 10 N/s: the five steps of 0.04 s are 0.05 s short.
+    start, end = (allocate(replace(p, objective="alignment")).force[0] for p in (weak, still))
+    change = np.linalg.norm(end - start, axis=1).max()
+    needed = change / 10.0
+    assert needed == pytest.approx(0.25, rel=1e-3)
+    slow = replace(still, **many, start=start, end=end, force_rate_max=10.0, step_s=0.04)
+    found = diagnose(slow, 2)
+    assert found.kind == "coupling"
+    assert found.duration == pytest.approx(needed)
+    with pytest.raises(InfeasibleError, match=rf"needs at least {needed:.4g} s"):
+        allocate(slow).require()
+    allocate(replace(slow, step_s=1.001 * needed / 5)).require()
