@@ -79,7 +79,7 @@ def plan_removal(
             mend="more friction or finger force, or other contact places",
         )
     try:
-        solution = _clear_of_table(setting, problem, options)
+        solution = _clear_of_table(setting, problem, options, need.orientation)
     except SolverError as error:
         raise SolverError(
             f"{error.what}; at rest the others need a turn of {np.degrees(need.angle):.1f} deg",
@@ -156,11 +156,11 @@ def _keep_clear(setting: Setting, problem: RemovalProblem, chosen: Any) -> Remov
 
 
 def _clear_of_table(
-    setting: Setting, problem: RemovalProblem, options: RemovalOptions
+    setting: Setting, problem: RemovalProblem, options: RemovalOptions, toward: Array
 ) -> RemovalSolution:
     """Solve, and solve again with the points that came too low, until none does."""
     for _ in range(4):
-        solution = solve_with(problem, options.solver, doubling=options.doubling)
+        solution = solve_with(problem, options.solver, doubling=options.doubling, toward=toward)
         turn = Rotation.from_quat(solution.orientation).as_matrix()
         rise, floor = _rises(setting, turn)
         reserve = (rise - floor).min(axis=0)

@@ -15,6 +15,7 @@ from pivotgait.forces import AllocationProblem, allocate
 from pivotgait.phases.removal_nlp import solve_removal
 from pivotgait.phases.removal_problem import RemovalProblem, RemovalSolution
 from pivotgait.phases.removal_socp import solve_removal_by_socps
+from pivotgait.phases.timing import quintic
 
 Array = NDArray[np.float64]
 RemovalSolver = Literal["fatrop", "ipopt", "socp"]
@@ -26,9 +27,20 @@ SAME_COST = 1e-2
 
 
 def solve_with(
-    problem: RemovalProblem, solver: RemovalSolver, *, doubling: bool = False
+    problem: RemovalProblem,
+    solver: RemovalSolver,
+    *,
+    doubling: bool = False,
+    toward: Array | None = None,
 ) -> RemovalSolution:
     """Solve a removal problem with a named solver, directly or by doubling K.
+
+    Args:
+        problem: the numbers.
+        solver: ``fatrop`` tries several starts; the others take one.
+        doubling: scale K up as the paper does.
+        toward: (4,) an orientation in which the staying fingers hold the tool at rest, xyzw: a
+            start for a removal that has to turn far.
 
     Raises:
         SolverError: not converged, or steps too coarse for the integration.
@@ -37,10 +49,12 @@ def solve_with(
     for steps in _rounds(problem.steps) if doubling else ():
         coarse = replace(problem, steps=steps, step_s=problem.step_s * problem.steps / steps)
         try:
-            guess = _solve(coarse, solver, None if guess is None else resample(guess, coarse))
+            guess = _solve(
+                coarse, solver, None if guess is None else resample(guess, coarse), toward
+            )
         except SolverError:  # a coarse grid may be infeasible where the fine one is not
             guess = None
-    solution = _solve(problem, solver, None if guess is None else resample(guess, problem))
+    solution = _solve(problem, solver, None if guess is None else resample(guess, problem), toward)
     turn = float(np.linalg.norm(solution.angular_velocity, axis=1).max() * problem.step_s)
     if turn > LARGEST_STEP_RAD:
         raise SolverError(
@@ -83,33 +97,40 @@ def best_forces(problem: RemovalProblem, solution: RemovalSolution) -> Array:
 
 
 def _solve(
-    problem: RemovalProblem, solver: RemovalSolver, guess: RemovalSolution | None
+    problem: RemovalProblem,
+    solver: RemovalSolver,
+    guess: RemovalSolution | None,
+    toward: Array | None,
 ) -> RemovalSolution:
     if solver == "socp":
         return solve_removal_by_socps(problem, guess)
     if solver == "ipopt":
         return solve_removal(problem, solver=solver, guess=guess)
     if not problem.rated:
-        return _best_of_starts(problem, guess)
+        return _best_of_starts(problem, guess, toward)
     # FATROP has no rows between stages: it solves without the rate, and if the answer keeps the
     # rate it is the optimum with it too, having had fewer constraints
-    free = _best_of_starts(replace(problem, force_rate_max=np.inf), guess)
+    free = _best_of_starts(replace(problem, force_rate_max=np.inf), guess, toward)
     if free.largest_rate(problem) <= problem.force_rate_max:
         return free
     return solve_removal(problem, solver="ipopt", guess=replace(free, multipliers=None))
 
 
-def _best_of_starts(problem: RemovalProblem, guess: RemovalSolution | None) -> RemovalSolution:
+def _best_of_starts(
+    problem: RemovalProblem, guess: RemovalSolution | None, toward: Array | None
+) -> RemovalSolution:
     """The cheapest answer of several starts, for the problem has local optima.
 
-    Starts: the forces of now, and those that align best with the tool held still. Where the two
-    answers cost alike, that is it; else successive cone programs are asked too.
+    Starts: the forces of now, and those that align best along a smooth turn to ``toward`` (with
+    the tool held still, without it). Where the two answers cost alike, that is it; else
+    successive cone programs are asked too.
     """
     if guess is not None:
         return _fatrop_or_ipopt(problem, guess)
     found: list[RemovalSolution] = []
     missed: list[SolverError] = []
-    for start in (None, replace(_still(problem), force=best_forces(problem, _still(problem)))):
+    turning = _turning(problem, problem.orientation if toward is None else toward)
+    for start in (None, replace(turning, force=best_forces(problem, turning))):
         try:
             found.append(_fatrop_or_ipopt(problem, start))
         except SolverError as error:
@@ -125,13 +146,17 @@ def _best_of_starts(problem: RemovalProblem, guess: RemovalSolution | None) -> R
     return min(found, key=lambda each: each.cost)
 
 
-def _still(problem: RemovalProblem) -> RemovalSolution:
-    """The tool not moving, the forces of the others as they are: a start, not a solution."""
-    rest = np.zeros((problem.steps + 1, 3))
-    force = np.tile(problem.start_force, (problem.steps + 1, 1, 1))
-    force[:, -1] *= np.linspace(1.0, 0.0, problem.steps + 1)[:, None]
-    orientation = np.tile(problem.orientation, (problem.steps + 1, 1))
-    return RemovalSolution(orientation, rest, rest, force, np.inf, "", 0, np.inf)
+def _turning(problem: RemovalProblem, toward: Array) -> RemovalSolution:
+    """A smooth turn, the forces of the others as they are: a start, not a solution."""
+    samples, duration = problem.steps + 1, problem.steps * problem.step_s
+    fraction, rate, acceleration = quintic(np.linspace(0.0, duration, samples), duration)
+    start = Rotation.from_quat(problem.orientation)
+    turn = (Rotation.from_quat(toward) * start.inv()).as_rotvec()
+    force = np.tile(problem.start_force, (samples, 1, 1))
+    force[:, -1] *= np.linspace(1.0, 0.0, samples)[:, None]
+    orientation = (Rotation.from_rotvec(fraction[:, None] * turn) * start).as_quat()
+    omega, sigma = rate[:, None] * turn, acceleration[:, None] * turn
+    return RemovalSolution(orientation, omega, sigma, force, np.inf, "", 0, np.inf)
 
 
 def _fatrop_or_ipopt(problem: RemovalProblem, guess: RemovalSolution | None) -> RemovalSolution:
