@@ -119,31 +119,18 @@ class BareNlp:
 
         scale = SCALE_PER_STEP * steps
         program = removal_program(steps, staying, clear_points, rated=False, scale=scale)
-        nlp = {
-            "x": program.nlp.variables,
-            "f": program.nlp.objective,
-            "g": program.nlp.constraints,
-            "p": program.nlp.parameters,
-        }
         # expanded to scalar operations, which is CasADi's fastest way without our stage blocks
         options: dict[str, Any] = {"print_time": False, "expand": True, f"{solver}.print_level": 0}
         options |= {f"{solver}.tol": 1e-8, f"{solver}.max_iter": 500}
         if solver == "fatrop":
-            options |= {
-                "structure_detection": "manual",
-                "N": steps - 1,
-                "nx": program.states,
-                "nu": program.controls,
-                "ng": program.path_rows,
-                "equality": program.nlp.equality,
-            }
+            options |= program.structure
         else:
             options["ipopt.sb"] = "yes"
         if warm:
             options[f"{solver}.mu_init"] = 1e-5
             if solver == "ipopt":
                 options["ipopt.warm_start_init_point"] = "yes"
-        self._nlpsol = ca.nlpsol("bare", solver, nlp, options)
+        self._nlpsol = ca.nlpsol("bare", solver, program.nlp.symbols, options)
         self._start = removal_nlp(steps, staying, clear_points).guess
         self._bounds: dict[str, Any] = {"lbg": 0.0, "ubg": ca.DM(program.nlp.upper)}
 

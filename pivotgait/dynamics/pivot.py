@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from pivotgait.frozen import frozen
+from pivotgait.frozen import FrozenArrays
 from pivotgait.plans import ToolMotion
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class PivotingTool:
+class PivotingTool(FrozenArrays):
     """The rigid body of Section III: a tool whose tip stays at one point of the table.
 
     Attributes:
@@ -31,10 +31,6 @@ class PivotingTool:
     pivot_in_tool: Array
     pivot: Array
     gravity: Array
-
-    def __post_init__(self) -> None:
-        for name in ("inertia", "pivot_in_tool", "pivot", "gravity"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
     def inertia_about_pivot(self) -> Array:

@@ -132,41 +132,43 @@ def removal_problem(
         force_rate_max=scene.allocation.force_rate_max_N_s,
         weights=options.weights,
     )
-    rise, floor = _rises(setting, grasp.rotation.as_matrix())
-    return _keep_clear(setting, problem, np.argsort(rise - floor)[:CLEAR_POINTS])
+    lever, floor = _covering(setting)
+    reserve = lever @ grasp.rotation.as_matrix()[2] - floor
+    return _keep_clear(problem, lever, floor, reserve)
 
 
-def _rises(setting: Setting, turn: Array) -> tuple[Array, Array]:
-    """Heights (..., P) of the tool's covering balls over the pivot, and their least (P,) [m]."""
+def _covering(setting: Setting) -> tuple[Array, Array]:
+    """Centres (P, 3) of the tool's covering balls relative to the pivot, tool frame, and their
+    least heights (P,) over the pivot [m]."""
     tool = setting.scene.tool
     points, radii = tool.support_points()
-    rise = turn[..., 2, :] @ (points - tool.pivot_in_tool).T
-    return rise, radii + setting.scene.clearance - tool.tip_radius
+    return points - tool.pivot_in_tool, radii + setting.scene.clearance - tool.tip_radius
 
 
-def _keep_clear(setting: Setting, problem: RemovalProblem, chosen: Any) -> RemovalProblem:
-    tool = setting.scene.tool
-    points, radii = tool.support_points()
-    lever, rise = np.zeros((CLEAR_POINTS, 3)), np.full(CLEAR_POINTS, -1.0)
-    count = len(chosen)
-    lever[:count] = (points - tool.pivot_in_tool)[chosen]
+def _keep_clear(
+    problem: RemovalProblem, lever: Array, floor: Array, reserve: Array
+) -> RemovalProblem:
+    """The problem with the balls of least ``reserve`` (P,) kept over their least heights."""
+    chosen = np.argsort(reserve)[:CLEAR_POINTS]
+    kept, rise = np.zeros((CLEAR_POINTS, 3)), np.full(CLEAR_POINTS, -1.0)
+    kept[: len(chosen)] = lever[chosen]
     # a micrometre of reserve, so that the solver's tolerance does not eat the clearance
-    rise[:count] = radii[chosen] + setting.scene.clearance - tool.tip_radius + 1e-6
-    return replace(problem, clear_lever=lever, clear_rise=rise)
+    rise[: len(chosen)] = floor[chosen] + 1e-6
+    return replace(problem, clear_lever=kept, clear_rise=rise)
 
 
 def _clear_of_table(
     setting: Setting, problem: RemovalProblem, options: RemovalOptions, toward: Array
 ) -> RemovalSolution:
     """Solve, and solve again with the points that came too low, until none does."""
+    lever, floor = _covering(setting)
     for _ in range(4):
         solution = solve_with(problem, options.solver, doubling=options.doubling, toward=toward)
         turn = Rotation.from_quat(solution.orientation).as_matrix()
-        rise, floor = _rises(setting, turn)
-        reserve = (rise - floor).min(axis=0)
+        reserve = (turn[:, 2] @ lever.T - floor).min(axis=0)
         if reserve.min(initial=np.inf) >= 0.0:
             return solution
-        problem = _keep_clear(setting, problem, np.argsort(reserve)[:CLEAR_POINTS])
+        problem = _keep_clear(problem, lever, floor, reserve)
     raise SolverError(
         "the tool's lowest points change from round to round, and one stays too near the table",
         where="removal",

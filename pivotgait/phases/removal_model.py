@@ -63,6 +63,18 @@ class RemovalProgram:
     controls: list[int]
     path_rows: list[int]
 
+    @property
+    def structure(self) -> dict[str, Any]:
+        """The stages, as options of ``casadi.nlpsol`` for FATROP."""
+        return {
+            "structure_detection": "manual",
+            "N": len(self.states) - 1,
+            "nx": self.states,
+            "nu": self.controls,
+            "ng": self.path_rows,
+            "equality": self.nlp.equality,
+        }
+
 
 def removal_program(
     steps: int, staying: int, clear_points: int, *, rated: bool, scale: float

@@ -59,12 +59,6 @@ class RemovalNlp:
         program = removal_program(steps, staying, clear_points, rated=rated, scale=scale)
         self.steps, self.staying, self.solver = steps, staying, solver
         self.scale, self.equality = scale, np.array(program.nlp.equality)
-        nlp = {
-            "x": program.nlp.variables,
-            "f": program.nlp.objective,
-            "g": program.nlp.constraints,
-            "p": program.nlp.parameters,
-        }
         self._bounds: dict[str, Any] = {"lbg": 0.0, "ubg": ca.DM(program.nlp.upper)}
         options: dict[str, Any] = {"print_time": False, "error_on_fail": False}
         flat = steps <= FLAT_STEPS
@@ -74,13 +68,7 @@ class RemovalNlp:
 
         options["expand"] = flat
         if solver == "fatrop":
-            options |= {
-                "structure_detection": "manual",
-                "N": steps - 1,
-                "nx": program.states,
-                "nu": program.controls,
-                "ng": program.path_rows,
-                "equality": program.nlp.equality,
+            options |= program.structure | {
                 "cache": {
                     "nlp_grad_f": ready(program.nlp.ascent),
                     "nlp_jac_g": ready(program.nlp.slopes),
@@ -105,7 +93,7 @@ class RemovalNlp:
             }
             if warm:
                 options |= {"ipopt.warm_start_init_point": "yes", "ipopt.mu_init": 1e-5}
-        self.nlpsol = ca.nlpsol("removal", solver, nlp, options)
+        self.nlpsol = ca.nlpsol("removal", solver, program.nlp.symbols, options)
         self._gradient = self.nlpsol.get_function("nlp_grad")
         self._places = places(program.states, program.controls, staying)
 
@@ -117,15 +105,14 @@ class RemovalNlp:
         """
         parameters = pack(problem)
         start: dict[str, Any] = {"x0": self.guess(problem, guess)}
-        if guess is not None and guess.multipliers is not None:
-            multipliers = guess.multipliers[0]
-            if len(multipliers) == len(self.equality):
-                start["lam_g0"] = multipliers
+        multipliers = None if guess is None else guess.multipliers
+        if multipliers is not None and len(multipliers) == len(self.equality):
+            start["lam_g0"] = multipliers
         answer = self.nlpsol(p=parameters, **start, **self._bounds)
         stats = self.nlpsol.stats()
         x, dual = np.array(answer["x"]).ravel(), np.array(answer["lam_g"]).ravel()
         residual = self._kkt_residual(x, parameters, dual)
-        # FATROP may stop a little short of 1e-8 in the dual and call it a failure
+        # FATROP may stop a little short of its tolerance in the dual and call it a failure
         if not (stats["success"] or residual <= 1e-6):
             status = str(stats.get("unified_return_status", stats.get("return_status")))
             raise SolverError(
@@ -212,7 +199,7 @@ class RemovalNlp:
             solver=self.solver,
             iterations=iterations,
             kkt_residual=residual,
-            multipliers=(dual,),
+            multipliers=dual,
         )
 
 

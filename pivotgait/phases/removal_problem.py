@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from pivotgait.dynamics import PivotingTool, pivot_motion
-from pivotgait.frozen import frozen
+from pivotgait.frozen import FrozenArrays
 from pivotgait.plans import ToolMotion
 
 Array = NDArray[np.float64]
@@ -36,7 +36,7 @@ class RemovalWeights:
 
 
 @dataclass(frozen=True, eq=False)
-class RemovalProblem:
+class RemovalProblem(FrozenArrays):
     """One removal, K steps of h seconds, with n fingers that stay and one that leaves.
 
     Fingers are in the order staying (n), leaving; contacts in the order pivot, fingers.
@@ -102,7 +102,7 @@ class RemovalProblem:
 
 
 @dataclass(frozen=True, eq=False)
-class RemovalSolution:
+class RemovalSolution(FrozenArrays):
     """A trajectory of K + 1 samples and how it was found.
 
     Attributes:
@@ -115,7 +115,7 @@ class RemovalSolution:
         iterations: of the solver.
         kkt_residual: largest scaled violation of the first-order optimality conditions
             (stationarity, feasibility, complementarity) of the discretised problem.
-        multipliers: the solver's own state for a warm start, or None.
+        multipliers: of the program's constraints, for a warm start, or None.
     """
 
     orientation: Array
@@ -126,11 +126,7 @@ class RemovalSolution:
     solver: str
     iterations: int
     kkt_residual: float
-    multipliers: tuple[Array, ...] | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("orientation", "angular_velocity", "angular_acceleration", "force"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+    multipliers: Array | None = None
 
     def largest_rate(self, problem: RemovalProblem) -> float:
         """Largest rate of a finger force, seen in its contact frame [N/s]."""

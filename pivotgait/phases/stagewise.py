@@ -110,6 +110,16 @@ class Program:
     equality: list[bool]
 
     @property
+    def symbols(self) -> dict[str, Any]:
+        """The program as ``casadi.nlpsol`` takes it."""
+        return {
+            "x": self.variables,
+            "f": self.objective,
+            "g": self.constraints,
+            "p": self.parameters,
+        }
+
+    @property
     def upper(self) -> list[float]:
         """Upper bounds of the constraints; the lower ones are 0."""
         return [0.0 if each else INF for each in self.equality]
