@@ -10,12 +10,11 @@ from scipy.spatial.transform import Rotation
 
 from pivotgait.frozen import Array, FrozenArrays
 from pivotgait.models.rest import attitude
+from pivotgait.models.robot import Robot
 from pivotgait.models.scene_config import (
-    AdditionPhase,
     AllocationConfig,
-    LiftPhase,
     LiftTarget,
-    RemovalPhase,
+    PhaseConfig,
     SceneConfig,
 )
 from pivotgait.models.tool import Tool
@@ -76,6 +75,7 @@ class Scene(FrozenArrays):
         yaml: the file's text as used.
         tool: the tool.
         table: the table.
+        robot: the arm-hand, None for a scene that plans the tool's motion and forces only.
         gravity: (3,) world [m/s^2].
         clearance: smallest distance to what must not be touched [m].
         pivot: (3,) centre of the tip sphere, world [m]; fixed while the tool pivots.
@@ -91,13 +91,14 @@ class Scene(FrozenArrays):
     yaml: str
     tool: Tool
     table: Table
+    robot: Robot | None
     gravity: Array
     clearance: float
     pivot: Array
     rest_pitch: float
     rest_orientation: Array
     contacts: Mapping[str, HandleContact]
-    gaits: Mapping[str, tuple[LiftPhase | AdditionPhase | RemovalPhase, ...]]
+    gaits: Mapping[str, tuple[PhaseConfig, ...]]
 
     @property
     def allocation(self) -> AllocationConfig:

@@ -4,32 +4,25 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, StringConstraints
+from pydantic import Field, FiniteFloat
+
+from pivotgait.models.config import (
+    Angle,
+    Config,
+    Coordinate,
+    Name,
+    NotNegative,
+    Positive,
+    Vector2,
+    Vector3,
+)
+from pivotgait.models.robot_config import RobotConfig
 
 SCHEMA = "pivotgait-scene/1"
 
-Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,63}$")]
-Positive = Annotated[FiniteFloat, Field(gt=0)]
-NotNegative = Annotated[FiniteFloat, Field(ge=0)]
 Friction = Annotated[FiniteFloat, Field(gt=0, le=2, description="Coulomb coefficient")]
-Angle = Annotated[FiniteFloat, Field(ge=-360, le=360)]
-Coordinate = Annotated[FiniteFloat, Field(ge=-100, le=100)]
-Vector2 = tuple[Coordinate, Coordinate]
-Vector3 = tuple[Coordinate, Coordinate, Coordinate]
 Duration = Annotated[FiniteFloat, Field(gt=0, le=600, description="length of the phase [s]")]
 Steps = Annotated[int, Field(ge=2, le=4096, description="number of time steps K")]
-
-
-class Config(BaseModel):
-    """Base: unknown keys and numbers in quotes are errors, values cannot change."""
-
-    model_config = ConfigDict(
-        extra="forbid",
-        frozen=True,
-        strict=True,
-        populate_by_name=True,
-        use_attribute_docstrings=True,
-    )
 
 
 class ForceBounds(Config):
@@ -147,7 +140,18 @@ class RemovalPhase(Config):
     """Solve with few steps first and double them."""
 
 
-PhaseConfig = Annotated[LiftPhase | AdditionPhase | RemovalPhase, Field(discriminator="kind")]
+class RelocationPhase(Config):
+    """Move a free finger to a contact along a collision-free path; the others hold the tool."""
+
+    kind: Literal["relocation"]
+    contact: Name
+    sample_s: Annotated[FiniteFloat, Field(gt=0, le=0.1)] = 0.02
+    """Time between the plan's samples; the duration follows from the joints' limits."""
+
+
+PhaseConfig = Annotated[
+    LiftPhase | AdditionPhase | RemovalPhase | RelocationPhase, Field(discriminator="kind")
+]
 
 
 class SceneConfig(Config):
@@ -162,6 +166,8 @@ class SceneConfig(Config):
     gravity_m_s2: Vector3 = (0.0, 0.0, -9.81)
     clearance_m: Annotated[FiniteFloat, Field(ge=0, le=0.1)] = 0.001
     """Smallest distance of tool and hand to what they must not touch."""
+    robot: RobotConfig | None = None
+    """The arm-hand; without one the plan holds the tool's motion and the forces only."""
     contacts: Annotated[dict[Name, ContactConfig], Field(min_length=2)]
     allocation: AllocationConfig = AllocationConfig()
     gaits: Annotated[

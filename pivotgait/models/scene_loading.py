@@ -14,12 +14,16 @@ from pydantic import ValidationError
 from pivotgait.exceptions import SceneError, UnknownNameError
 from pivotgait.models.paths import is_file, model_names, urdf_root
 from pivotgait.models.rest import attitude, rest_pitch
+from pivotgait.models.robot import Robot
+from pivotgait.models.robot_config import RobotConfig
+from pivotgait.models.robot_loading import build_robot
 from pivotgait.models.scene import HandleContact, Scene, Table
 from pivotgait.models.scene_checks import check_config, check_lifts
 from pivotgait.models.scene_config import SceneConfig, ToolConfig
 from pivotgait.models.scene_errors import as_scene_error
 from pivotgait.models.scene_yaml import MAX_BYTES, read_yaml
 from pivotgait.models.tool import Tool, load_tool
+from pivotgait.models.urdf import read_urdf
 
 
 def builtin_scenes() -> tuple[str, ...]:
@@ -94,6 +98,7 @@ def parse_scene(text: str, *, where: str = "scene", folder: Path | None = None) 
             table.normal_force_N.min,
             table.normal_force_N.max,
         ),
+        robot=_load_robot(config.robot, folder, where),
         gravity=np.array(config.gravity_m_s2),
         clearance=config.clearance_m,
         pivot=np.array([*config.rest.pivot_m, table.height_m + tool.tip_radius]),
@@ -140,6 +145,16 @@ def _load_tool(config: ToolConfig, folder: Path | None, where: str) -> Tool:
         zero=np.array(handle.zero),
         roots=(urdf_root(),) if folder is None else (folder, urdf_root()),
     )
+
+
+def _load_robot(config: RobotConfig | None, folder: Path | None, where: str) -> Robot | None:
+    if config is None:
+        return None
+    at = f"{where}: robot"
+    if config.urdf is None:
+        raise SceneError("names no URDF", where=at, mend="give urdf or mount")
+    urdf = read_urdf(_find_urdf(config.urdf, folder, f"{at}.urdf")).text
+    return build_robot(urdf, config, where=at)
 
 
 def _find_urdf(given: str, folder: Path | None, at: str) -> Path:

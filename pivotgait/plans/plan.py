@@ -45,6 +45,23 @@ class ToolMotion(FrozenArrays):
 
 
 @dataclass(frozen=True, eq=False)
+class RobotMotion(FrozenArrays):
+    """Motion of the arm-hand at N samples, joints in the order of the planned robot.
+
+    Attributes:
+        q: (N, n) joint positions [rad] or [m].
+        v: (N, n) [rad/s] or [m/s].
+        a: (N, n) [rad/s^2] or [m/s^2].
+        tau: (N, n) joint torques or forces [N m] or [N] (Xue et al., eq. 17).
+    """
+
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+
+
+@dataclass(frozen=True, eq=False)
 class ContactTrack(FrozenArrays):
     """One contact over a phase.
 
@@ -97,6 +114,7 @@ class Phase(FrozenArrays):
         time: (N,) seconds from the phase's start.
         tool: motion of the tool.
         contacts: by name, the pivot and each finger that touches at any time of the phase.
+        robot: motion of the arm-hand, None in a plan without one.
         record: facts about the making (solver, iterations, cost, timings); not stored in files.
     """
 
@@ -106,6 +124,7 @@ class Phase(FrozenArrays):
     time: Array
     tool: ToolMotion
     contacts: Mapping[str, ContactTrack]
+    robot: RobotMotion | None = None
     record: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
     def __post_init__(self) -> None:
@@ -145,6 +164,38 @@ class PlannedTool(FrozenArrays):
     centre_of_mass_in_root: Array
 
 
+@dataclass(frozen=True)
+class PlannedFinger:
+    """A fingertip: a sphere about its frame's origin.
+
+    Attributes:
+        tip_frame: name of the frame (a link of the robot's URDF).
+        tip_radius: [m].
+    """
+
+    tip_frame: str
+    tip_radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedRobot:
+    """What a plan must know of its arm-hand.
+
+    Attributes:
+        urdf: the whole text; its root is the world frame.
+        joint_names: in the order of the columns of :class:`RobotMotion`.
+        fingers: by the name of their contacts.
+        couplings: pairs of joint names (a, b) with the rule q_a <= q_b.
+        never_touch: pairs of link names whose distance does not count.
+    """
+
+    urdf: str
+    joint_names: tuple[str, ...]
+    fingers: Mapping[str, PlannedFinger]
+    couplings: tuple[tuple[str, str], ...] = ()
+    never_touch: tuple[tuple[str, str], ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class GaitPlan(FrozenArrays):
     """A whole gait: what ``plan.h5`` holds.
@@ -157,6 +208,7 @@ class GaitPlan(FrozenArrays):
         table_height: z of the table plane [m].
         tool: the tool.
         phases: in order; consecutive phases join.
+        robot: the arm-hand, None for a plan of the tool and its forces only.
         certificate: what ``pivotgait certify`` says of the plan, or None before that.
     """
 
@@ -167,4 +219,5 @@ class GaitPlan(FrozenArrays):
     table_height: float
     tool: PlannedTool
     phases: tuple[Phase, ...]
+    robot: PlannedRobot | None = None
     certificate: Mapping[str, Any] | None = None
