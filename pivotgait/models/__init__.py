@@ -3,6 +3,7 @@
 from pivotgait.models.handle import Handle, SurfacePoint
 from pivotgait.models.paths import model_names, urdf_root
 from pivotgait.models.rest import attitude, rest_pitch
+from pivotgait.models.robot import Finger, Robot
 from pivotgait.models.scene import HandleContact, Scene, Table
 from pivotgait.models.scene_config import (
     AdditionPhase,
@@ -10,6 +11,7 @@ from pivotgait.models.scene_config import (
     LiftPhase,
     LiftTarget,
     PhaseConfig,
+    RelocationPhase,
     RemovalPhase,
     RemovalWeights,
     SceneConfig,
@@ -27,13 +29,16 @@ from pivotgait.models.tool import Tool, load_tool
 __all__ = [
     "AdditionPhase",
     "AllocationConfig",
+    "Finger",
     "Handle",
     "HandleContact",
     "LiftPhase",
     "LiftTarget",
     "PhaseConfig",
+    "RelocationPhase",
     "RemovalPhase",
     "RemovalWeights",
+    "Robot",
     "Scene",
     "SceneConfig",
     "Shape",

@@ -69,5 +69,5 @@ def plan_addition(
         force = allocation.force[:, place]
         contacts[each.finger] = finger_track(each, force, changing=each is contact)
     record = {"solver": allocation.solver}
-    phase = Phase(name, "addition", finger, time, motion, contacts, record)
+    phase = Phase(name, "addition", finger, time, motion, contacts, record=record)
     return phase, Grasp.after(motion, {**grasp.fingers, finger: contact}, contacts)

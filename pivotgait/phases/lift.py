@@ -70,5 +70,5 @@ def plan_lift(
     contacts = {PIVOT: setting.pivot_track(allocation.force[:, 0])}
     for place, finger in enumerate(fingers, start=1):
         contacts[finger.finger] = finger_track(finger, allocation.force[:, place])
-    phase = Phase(name, "lift", "", time, motion, contacts, {"solver": allocation.solver})
+    phase = Phase(name, "lift", "", time, motion, contacts, record={"solver": allocation.solver})
     return phase, Grasp.after(motion, grasp.fingers, contacts)

@@ -100,7 +100,7 @@ def plan_removal(
         "static_without_turning": need.angle < 1e-4,
     }
     time = np.linspace(0.0, options.duration_s, options.steps + 1)
-    phase = Phase(name, "removal", finger, time, motion, contacts, record)
+    phase = Phase(name, "removal", finger, time, motion, contacts, record=record)
     fingers = {contact.finger: contact for contact in staying}
     return phase, Grasp.after(motion, fingers, contacts)
 
