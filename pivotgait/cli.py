@@ -71,6 +71,7 @@ def run(
     out: Annotated[Path, typer.Option("--out", help="Folder for plan, figures and report.")],
     seed: Seed = 0,
     gait: Gait = None,
+    view: Annotated[bool, typer.Option("--view/--no-view", help="Write view.html too.")] = True,
     json: Json = False,
     debug: Debug = False,
 ) -> int:
@@ -81,7 +82,7 @@ def run(
     from pivotgait.commands.output import Output
     from pivotgait.commands.planning import run_all
 
-    return run_all(scene, out, seed, gait, Output(json))
+    return run_all(scene, out, seed, gait, Output(json), view=view)
 
 
 @app.command()
@@ -98,6 +99,29 @@ def report(
     from pivotgait.commands.planning import run_report
 
     return run_report(folder, Output(json))
+
+
+@app.command()
+def view(
+    plan: Annotated[Path, typer.Argument(help="Plan file.")],
+    html: Annotated[
+        Path | None, typer.Option(help="Write one HTML file that needs no network, and end.")
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(min=1, max=65535, help="Port of the local server.")
+    ] = None,
+    browse: Annotated[bool, typer.Option("--open/--no-open", help="Open a browser.")] = True,
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Show a plan as an animated scene: arm and hand, tool, forces and friction cones.
+
+    Example: `pivotgait view knife.h5 --html knife.html`
+    """
+    from pivotgait.commands.output import Output
+    from pivotgait.commands.viewing import run_view
+
+    return run_view(plan, html, port, browse, Output(json))
 
 
 @app.command()

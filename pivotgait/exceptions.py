@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from math import degrees
 
 
 class PivotGaitError(Exception):
@@ -61,3 +62,19 @@ class InfeasibleError(PivotGaitError):
 
 class SolverError(PivotGaitError):
     """A solver failed on a problem that is not known to be infeasible."""
+
+
+class SingularCoordinatesError(PivotGaitError):
+    """An orientation so near psi = +-90 degrees that theta and phi cannot be told apart.
+
+    Attributes:
+        angle: the largest |psi| met [rad].
+    """
+
+    def __init__(self, angle: float, *, where: str = "") -> None:
+        self.angle = angle
+        super().__init__(
+            f"local coordinates are singular near 90 degrees, |psi| = {degrees(angle):.2f} degrees",
+            where=where,
+            mend="choose target axes nearer to the frame's own",
+        )

@@ -10,6 +10,7 @@ from pivotgait.certification.clearance import check_clearance
 from pivotgait.certification.forces import check_cones, check_dynamics, check_ramp
 from pivotgait.certification.limits import Limit
 from pivotgait.certification.motion import check_motion, check_pivot
+from pivotgait.certification.robot import check_robot
 from pivotgait.certification.sampling import check_sampling
 from pivotgait.certification.scene_limits import scene_limits
 from pivotgait.certification.seams import check_seams
@@ -33,17 +34,18 @@ def certify(
 
     Raises:
         PlanFileError: if the file or the plan cannot be computed with at all.
-        UrdfError: if the tool's URDF text cannot be.
+        UrdfError: if the tool's or the robot's URDF text cannot be.
         SceneError: if the scene's text is not YAML or its clearance not a distance.
     """
     if isinstance(plan, GaitPlan):
         check_plan(plan)
     else:
         plan = read_plan(plan)
-    return judge(_findings(plan), scene_limits(plan.scene) if limits is None else limits)
+    limits = scene_limits(plan.scene) if limits is None else limits
+    return judge(_findings(plan, limits["hand_clearance_m"].bound), limits)
 
 
-def _findings(plan: GaitPlan) -> Iterator[Finding]:
+def _findings(plan: GaitPlan, clearance: float) -> Iterator[Finding]:
     rigid = rigid_tool(plan.tool)
     yield from check_tool(plan.tool, rigid)
     for phase in plan.phases:
@@ -56,3 +58,5 @@ def _findings(plan: GaitPlan) -> Iterator[Finding]:
         yield from check_surface(rigid, phase)
         yield from check_clearance(plan, phase, rigid)
     yield from check_seams(plan)
+    if plan.robot is not None:
+        yield from check_robot(plan, plan.robot, rigid, clearance)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -25,6 +25,7 @@ class Finding:
         phase: name of the phase, empty for the plan as a whole.
         contact: name of the contact, empty where there is none.
         time_s: from the phase's start, None where it does not depend on time.
+        part: of the robot: a joint or a pair of links, empty where there is none.
     """
 
     what: str
@@ -32,6 +33,12 @@ class Finding:
     phase: str = ""
     contact: str = ""
     time_s: float | None = None
+    part: str = ""
+
+    def place(self) -> dict[str, Any]:
+        """Where it was found, as plain data; the robot's part only if there is one."""
+        found = {"phase": self.phase, "contact": self.contact, "time_s": self.time_s}
+        return {**found, "part": self.part} if self.part else found
 
 
 @dataclass(frozen=True)
@@ -51,8 +58,7 @@ class Violation(Finding):
             "what": self.what,
             "value": _plain(self.value),
             "limit": self.limit,
-            "contact": self.contact,
-            "time_s": self.time_s,
+            **self.place(),
         }
 
 
@@ -87,10 +93,7 @@ class Certificate:
             "residuals": {what: _plain(value) for what, value in self.residuals.items()},
             "violations": [violation.as_json() for violation in self.violations],
             "tolerances": {what: self.limits[what].bound for what in self.findings},
-            "worst": {
-                what: {"phase": found.phase, "contact": found.contact, "time_s": found.time_s}
-                for what, found in self.findings.items()
-            },
+            "worst": {what: found.place() for what, found in self.findings.items()},
         }
 
 
@@ -103,8 +106,7 @@ def judge(findings: Iterable[Finding], limits: Mapping[str, Limit]) -> Certifica
         if found.what not in worst or _is_worse(found.value, worst[found.what].value, limit):
             worst[found.what] = found
         if not limit.holds(found.value):
-            place = (found.what, found.value, found.phase, found.contact, found.time_s)
-            violations.append(Violation(*place, limit=limit.bound))
+            violations.append(Violation(**vars(found), limit=limit.bound))
     return Certificate(MappingProxyType(worst), tuple(violations), limits)
 
 
@@ -113,6 +115,14 @@ def largest(what: str, values: ArrayLike, phase: Phase, contact: str = "") -> Fi
     series = np.asarray(values, dtype=float)
     index = int(np.argmax(series))  # the first NaN, if there is one
     return Finding(what, float(series[index]), phase.name, contact, float(phase.time[index]))
+
+
+def largest_joint(what: str, values: ArrayLike, phase: Phase, names: Sequence[str]) -> Finding:
+    """Finding at the sample and joint with the largest of ``values`` (N or N-1, n)."""
+    table = np.asarray(values, dtype=float)
+    k, joint = divmod(int(np.argmax(table)), table.shape[1])
+    time = float(phase.time[k])
+    return Finding(what, float(table[k, joint]), phase.name, time_s=time, part=names[joint])
 
 
 def smallest(what: str, values: ArrayLike, phase: Phase, contact: str = "") -> Finding:

@@ -35,7 +35,7 @@ class Limit:
 # values of order 1 to 10: 1e-9 is a million roundings and still far below anything physical.
 _IDENTITY = 1e-9
 
-LIMITS: Mapping[str, Limit] = MappingProxyType(
+TOOL_LIMITS: Mapping[str, Limit] = MappingProxyType(
     {
         "force_balance_n": Limit(1e-6, "N", "residual of (3), forces"),
         "moment_balance_nm": Limit(1e-7, "N m", "residual of (3), moments about the mass centre"),
@@ -79,10 +79,52 @@ LIMITS: Mapping[str, Limit] = MappingProxyType(
         "table_clearance_m": Limit(1e-3, "m", "tool over the table, other phases", at_least=True),
     }
 )
+"""What every plan is judged by: tool, contacts and forces."""
+
+ROBOT_LIMITS: Mapping[str, Limit] = MappingProxyType(
+    {
+        "tip_radius_m": Limit(_IDENTITY, "m", "fingertip's radius against the URDF's sphere"),
+        "tip_contact_m": Limit(1e-5, "m", "distance of a holding fingertip from its contact"),
+        # A tip of 10 mm that rolls by this angle carries the contact over 1e-6 m, a tenth of the
+        # distance that the contact itself may be off.
+        "tip_rolling_rad": Limit(1e-4, "rad", "turn of a holding fingertip, but about the normal"),
+        # Two samples may lie on opposite sides of the contact, each at its limit.
+        "tip_slip_m": Limit(2e-5, "m", "drift of a holding fingertip's touching point on the tool"),
+        # Over a step of 10 ms either moves the contact by 1e-8 m or less, a thousandth of its
+        # limit; both are far above the rounding of a Jacobian of condition 1e6.
+        "tip_velocity_m_s": Limit(1e-6, "m/s", "velocity of a holding fingertip against the tool"),
+        "tip_acceleration_m_s2": Limit(1e-4, "m/s^2", "acceleration of it against the tool"),
+        "tip_penetration_m": Limit(
+            -1e-5, "m", "least distance of a touching fingertip from the tool", at_least=True
+        ),
+        "joint_position": Limit(_IDENTITY, "rad or m", "joint position beyond its limits"),
+        "joint_coupling": Limit(_IDENTITY, "rad or m", "excess of a joint over its coupled one"),
+        "joint_speed": Limit(1.0 + _IDENTITY, "", "joint speed relative to its limit"),
+        "joint_torque": Limit(1.0 + _IDENTITY, "", "joint torque or force relative to its limit"),
+        "joint_step_excess": Limit(
+            _IDENTITY, "rad or m", "joint step against its speed, beyond sampling error"
+        ),
+        "joint_rate_excess": Limit(
+            _IDENTITY, "rad/s or m/s", "joint speed step against acceleration, beyond sampling"
+        ),
+        "joint_rest": Limit(1e-8, "rad/s or m/s", "joint speed where phases meet"),
+        "seam_joint": Limit(_IDENTITY, "rad or m", "jump of a joint between two phases"),
+        "torque_balance_nm": Limit(1e-6, "N m or N", "residual of (17)"),
+        "hand_clearance_m": Limit(
+            1e-3, "m", "robot to itself, tool and table outside the wanted contacts", at_least=True
+        ),
+    }
+)
+"""What a plan with an arm-hand is judged by besides :data:`TOOL_LIMITS`."""
+
+LIMITS: Mapping[str, Limit] = MappingProxyType({**TOOL_LIMITS, **ROBOT_LIMITS})
 """Residual's name -> its limit; the tolerances that a plan is judged by unless told otherwise."""
 
 
 def with_clearance(clearance: float, limits: Mapping[str, Limit] = LIMITS) -> Mapping[str, Limit]:
-    """The limits with another least distance [m] of tool and table outside lifts."""
-    changed = replace(limits["table_clearance_m"], bound=clearance)
-    return MappingProxyType({**limits, "table_clearance_m": changed})
+    """The limits with another least distance [m]: tool to table outside lifts, and robot to all."""
+    changed = {
+        what: replace(limits[what], bound=clearance)
+        for what in ("table_clearance_m", "hand_clearance_m")
+    }
+    return MappingProxyType({**limits, **changed})

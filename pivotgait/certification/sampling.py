@@ -27,6 +27,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from pivotgait.certification.certificate import Finding, largest
+from pivotgait.certification.limits import LIMITS
 from pivotgait.frozen import Array
 from pivotgait.plans import Phase
 
@@ -39,6 +40,13 @@ def check_sampling(phase: Phase) -> Iterator[Finding]:
     turn, rate = min(candidates, key=lambda pair: float(np.max(pair[0]) + np.max(pair[1])))
     yield largest("rotation_excess_rad", turn, phase)
     yield largest("rate_excess_rad_s", rate, phase)
+
+
+def is_forward_euler(phase: Phase) -> bool:
+    """Whether the tool turns by Euler's rule and cannot pass for a continuous motion."""
+    euler = float(np.max(_euler_excess(phase)[0]))
+    continuous = float(np.max(_continuous_excess(phase)[0]))
+    return euler < continuous and not LIMITS["rotation_excess_rad"].holds(continuous)
 
 
 def _euler_excess(phase: Phase) -> tuple[Array, Array]:

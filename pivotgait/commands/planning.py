@@ -17,7 +17,7 @@ from pivotgait.certification import Certificate, certify
 from pivotgait.commands.output import Output, verdict
 from pivotgait.exceptions import InputError
 from pivotgait.gaits import PhaseDone, plan_gait
-from pivotgait.margins import phase_margins, smallest_of_phase
+from pivotgait.margins import SHARE_KINDS, largest_share, phase_margins, smallest_of_phase
 from pivotgait.models import load_scene
 from pivotgait.plans import GaitPlan, read_plan, write_plan
 
@@ -69,6 +69,9 @@ def make_plan(scene_name: str, path: Path, seed: int, gait: str | None, out: Out
         "phases": phases,
         "certificate": certificate.as_json(),
     }
+    if plan.robot:
+        shares = (largest_share(plan, kind) for kind in SHARE_KINDS)
+        summary["joints"] = {share.kind: share.as_json() for share in shares if share}
     return Planned(plan, certificate, summary)
 
 
@@ -159,9 +162,12 @@ def run_certify(path: Path, out: Output) -> int:
     return 0 if certificate.valid else 1
 
 
-def run_all(scene: str, folder: Path, seed: int, gait: str | None, out: Output) -> int:
-    """Plan, certify and report into a folder; returns the exit code."""
+def run_all(
+    scene: str, folder: Path, seed: int, gait: str | None, out: Output, *, view: bool = True
+) -> int:
+    """Plan, certify, record the view (if told) and report into a folder; returns the exit code."""
     from pivotgait.reporting import report_from_folder
+    from pivotgait.viewing import write_view
 
     made = _make_folder(folder)
     try:
@@ -172,6 +178,9 @@ def run_all(scene: str, folder: Path, seed: int, gait: str | None, out: Output) 
                 each.rmdir()
         raise
     write_json(folder / "summary.json", planned.summary)
+    (folder / "view.html").unlink(missing_ok=True)  # an old one would show another plan
+    if view:
+        write_view(planned.plan, folder / "view.html")
     with out.progress("drawing the report", 1) as bar:
         page = report_from_folder(folder)
         bar.advance(bar.task_ids[0])

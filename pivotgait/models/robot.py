@@ -56,6 +56,7 @@ class Robot(FrozenArrays):
         acceleration_max: (nv,) [rad/s^2] or [m/s^2].
         effort_max: (nv,) [N m] or [N].
         couplings: pairs (i, k) of columns with the rule q_i <= q_k.
+        never_touch: pairs of link names whose distance does not count, besides neighbours.
         home: (nv,) a comfortable posture within the limits, to which unused freedom returns.
     """
 
@@ -73,6 +74,7 @@ class Robot(FrozenArrays):
     acceleration_max: Array
     effort_max: Array
     couplings: tuple[tuple[int, int], ...]
+    never_touch: tuple[tuple[str, str], ...]
     home: Array
 
     @property

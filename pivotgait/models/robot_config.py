@@ -20,7 +20,10 @@ class BaseConfig(Config):
 
 
 class MountConfig(Config):
-    """An arm and a hand, joined at a frame of the arm."""
+    """An arm and a hand, joined at a frame of the arm.
+
+    A name of the hand which the arm has, too, gets the prefix ``hand_``; the others stay.
+    """
 
     arm: UrdfName
     hand: UrdfName
@@ -44,11 +47,17 @@ class FingerConfig(Config):
 
 
 class RobotConfig(Config):
-    """The arm-hand: a built-in model's name or a URDF path, or an arm and a hand to join."""
+    """The arm-hand: a built-in model's name or a URDF path, or an arm and a hand to join.
+
+    A path is relative to the scene file, or ``example-robot-data:`` and a path below the robots
+    of that package. Meshes are replaced by primitives that enclose them.
+    """
 
     urdf: UrdfName | None = None
     mount: MountConfig | None = None
     base: BaseConfig = BaseConfig()
+    fixed: dict[LinkName, FiniteFloat] = Field(default_factory=dict)
+    """Joints locked at these positions [rad] or [m], such as those of an unused finger."""
     palm: LinkName
     fingers: Annotated[dict[LinkName, FingerConfig], Field(min_length=2)]
     couplings: tuple[tuple[LinkName, LinkName], ...] = ()

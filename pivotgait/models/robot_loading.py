@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from pivotgait.exceptions import SceneError, UnknownNameError
+from pivotgait.exceptions import SceneError
 from pivotgait.frozen import Array
 from pivotgait.models.robot import Finger, Robot
+from pivotgait.models.robot_checks import check_robot
 from pivotgait.models.robot_config import FingerConfig, RobotConfig
 from pivotgait.models.urdf import check_urdf
 
@@ -29,23 +31,16 @@ def build_robot(urdf: str, config: RobotConfig, *, where: str) -> Robot:
         SceneError: for fields that contradict one another or the URDF.
     """
     summary = check_urdf(urdf, where=f"{where}.urdf")
-    for name in (config.palm, *(finger.tip_frame for finger in config.fingers.values())):
-        if name not in summary.links:
-            # Pinocchio would answer with an index that ends the process later.
-            raise UnknownNameError("link", name, summary.links, where=where)
+    check_robot(summary, config, where=where)
     model = pin.buildModelFromXML(urdf)
     collision = pin.buildGeomFromUrdfString(model, urdf, pin.GeometryType.COLLISION)
     add_self_pairs(model, collision, config.never_touch)
     column = {name: place for place, name in enumerate(model.names[1:])}
-    fingers = {
-        name: _finger(model, column, name, each, f"{where}.fingers.{name}")
-        for name, each in config.fingers.items()
-    }
-    used = [each for finger in fingers.values() for each in finger.columns]
-    if len(set(used)) != len(used):
-        raise SceneError("two fingers share a joint", where=f"{where}.fingers", mend="part them")
+    fingers = {name: _finger(model, column, name, each) for name, each in config.fingers.items()}
+    used = {each for finger in fingers.values() for each in finger.columns}
     lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
     velocity = np.array(model.upperVelocityLimit)
+    couplings = tuple((column[i], column[k]) for i, k in config.couplings)
     return Robot(
         name=summary.name,
         urdf=urdf,
@@ -60,31 +55,29 @@ def build_robot(urdf: str, config: RobotConfig, *, where: str) -> Robot:
         velocity_max=velocity,
         acceleration_max=velocity / config.ramp_time_s,
         effort_max=np.array(model.upperEffortLimit),
-        couplings=tuple(
-            (_column(column, i, where), _column(column, k, where)) for i, k in config.couplings
-        ),
-        home=_home(config, column, lower, upper, where),
+        couplings=couplings,
+        never_touch=config.never_touch,
+        home=_home(config, column, lower, upper, couplings, where),
     )
 
 
 def add_self_pairs(model: Any, collision: Any, ignored: tuple[tuple[str, str], ...]) -> None:
-    """Pair every two shapes whose links may meet: not the same, not neighbours, not ignored."""
-    collision.addAllCollisionPairs()
+    """Pair every two shapes whose links may meet: not the same, not neighbours, not ignored.
+
+    Links fixed to one another move as one body: they neither meet nor differ as neighbours.
+    """
     skip = {frozenset(pair) for pair in ignored}
-    for pair in list(collision.collisionPairs):
-        one, other = (collision.geometryObjects[i] for i in (pair.first, pair.second))
-        a, b = one.parentJoint, other.parentJoint
-        links = frozenset(model.frames[each.parentFrame].name for each in (one, other))
-        if a == b or model.parents[a] == b or model.parents[b] == a or links in skip:
-            collision.removeCollisionPair(pair)
+    bodies = [shape.parentJoint for shape in collision.geometryObjects]
+    links = [model.frames[shape.parentFrame].name for shape in collision.geometryObjects]
+    for i, k in combinations(range(collision.ngeoms), 2):
+        a, b = bodies[i], bodies[k]
+        neighbours = a == b or model.parents[a] == b or model.parents[b] == a
+        if not neighbours and frozenset((links[i], links[k])) not in skip:
+            collision.addCollisionPair(pin.CollisionPair(i, k))
 
 
-def _finger(
-    model: Any, column: dict[str, int], name: str, config: FingerConfig, where: str
-) -> Finger:
+def _finger(model: Any, column: dict[str, int], name: str, config: FingerConfig) -> Finger:
     pad = np.array(config.pad)
-    if not np.linalg.norm(pad) > 0.0:
-        raise SceneError("pad is zero", where=where, mend="give a direction")
     return Finger(
         name=name,
         tip_frame=config.tip_frame,
@@ -93,20 +86,27 @@ def _finger(
         pad=pad / np.linalg.norm(pad),
         pad_cone=float(np.radians(config.pad_cone_deg)),
         joints=config.joints,
-        columns=tuple(_column(column, joint, where) for joint in config.joints),
+        columns=tuple(column[joint] for joint in config.joints),
     )
 
 
-def _column(column: dict[str, int], joint: str, where: str) -> int:
-    if joint not in column:
-        raise UnknownNameError("joint", joint, column, where=where)
-    return column[joint]
-
-
 def _home(
-    config: RobotConfig, column: dict[str, int], lower: Array, upper: Array, where: str
+    config: RobotConfig,
+    column: dict[str, int],
+    lower: Array,
+    upper: Array,
+    couplings: tuple[tuple[int, int], ...],
+    where: str,
 ) -> Array:
+    """The given positions, the middle of the range elsewhere (nv,)."""
     home = 0.5 * (lower + upper)
     for joint, value in config.home.items():
-        home[_column(column, joint, f"{where}.home")] = value
-    return np.clip(home, lower, upper)
+        home[column[joint]] = value
+    names = list(column)
+    for i, k in couplings:
+        if home[i] > home[k]:
+            what = (
+                f"{names[i]} = {home[i]:g} exceeds {names[k]} = {home[k]:g}, to which it is coupled"
+            )
+            raise SceneError(what, where=f"{where}.home", mend=f"lower {names[i]}")
+    return home

@@ -13,7 +13,8 @@ from pivotgait.models.scene_config import (
     ForceBounds,
     HandleConfig,
     LiftPhase,
-    RemovalPhase,
+    PhaseConfig,
+    RelocationPhase,
     SceneConfig,
 )
 
@@ -33,6 +34,9 @@ def check_config(config: SceneConfig, where: str) -> None:
         if contact.finger == "pivot":
             at = f"{where}: contacts.{name}.finger"
             raise SceneError("'pivot' names the table contact", where=at, mend="rename the finger")
+        if config.robot is not None and contact.finger not in config.robot.fingers:
+            at = f"{where}: contacts.{name}.finger"
+            raise UnknownNameError("finger", contact.finger, config.robot.fingers, where=at)
     _check_axes(config.tool.handle, f"{where}: tool.handle")
     if not config.gravity_m_s2[2] < 0.0:
         at = f"{where}: gravity_m_s2"
@@ -92,13 +96,10 @@ def _check_axes(handle: HandleConfig, at: str) -> None:
         raise SceneError(what, where=f"{at}.zero", mend="make it 90 deg")
 
 
-def _check_gait(
-    config: SceneConfig,
-    phases: Sequence[LiftPhase | AdditionPhase | RemovalPhase],
-    where: str,
-) -> None:
-    """Play the gait's contacts through: who touches where after each phase."""
+def _check_gait(config: SceneConfig, phases: Sequence[PhaseConfig], where: str) -> None:
+    """Play the gait's contacts through: who touches or waits where after each phase."""
     touching: dict[str, str] = {}  # finger -> contact
+    waiting: dict[str, str] = {}  # finger -> contact before which it was moved
     for place, phase in enumerate(phases):
         at = f"{where}[{place}]"
         if isinstance(phase, LiftPhase):
@@ -110,7 +111,10 @@ def _check_gait(
         elif place == 0:
             mend = "put a lift first; it says which contacts hold the tool"
             raise SceneError(f"starts with kind {phase.kind}", where=at, mend=mend)
+        elif isinstance(phase, RelocationPhase):
+            _move(config, touching, waiting, phase.contact, f"{at}.contact")
         elif isinstance(phase, AdditionPhase):
+            _arrive(config, waiting, phase.contact, f"{at}.contact")
             _add(config, touching, phase.contact, f"{at}.contact")
         else:
             _remove(config, touching, phase.contact, f"{at}.contact")
@@ -127,6 +131,36 @@ def _add(config: SceneConfig, touching: dict[str, str], contact: str, at: str) -
             mend="remove it before adding it elsewhere",
         )
     touching[finger] = contact
+
+
+def _move(
+    config: SceneConfig, touching: dict[str, str], waiting: dict[str, str], contact: str, at: str
+) -> None:
+    """Only a finger that does not hold the tool can go elsewhere."""
+    if contact not in config.contacts:
+        raise UnknownNameError("contact", contact, config.contacts, where=at)
+    finger = config.contacts[contact].finger
+    if finger in touching:
+        raise SceneError(
+            f"finger {finger!r} holds the tool at {touching[finger]!r}",
+            where=at,
+            mend="remove it before moving it elsewhere",
+        )
+    waiting[finger] = contact
+
+
+def _arrive(config: SceneConfig, waiting: dict[str, str], contact: str, at: str) -> None:
+    """A finger that was moved to a contact must be added there."""
+    if contact not in config.contacts:
+        raise UnknownNameError("contact", contact, config.contacts, where=at)
+    finger = config.contacts[contact].finger
+    moved = waiting.pop(finger, contact)
+    if moved != contact:
+        raise SceneError(
+            f"finger {finger!r} was moved to {moved!r}, not to {contact!r}",
+            where=at,
+            mend=f"add {moved!r} or move the finger to {contact!r}",
+        )
 
 
 def _remove(config: SceneConfig, touching: dict[str, str], contact: str, at: str) -> None:

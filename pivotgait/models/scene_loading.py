@@ -12,18 +12,19 @@ import numpy as np
 from pydantic import ValidationError
 
 from pivotgait.exceptions import SceneError, UnknownNameError
-from pivotgait.models.paths import is_file, model_names, urdf_root
+from pivotgait.models.paths import is_file
 from pivotgait.models.rest import attitude, rest_pitch
 from pivotgait.models.robot import Robot
 from pivotgait.models.robot_config import RobotConfig
 from pivotgait.models.robot_loading import build_robot
+from pivotgait.models.robot_urdf import robot_urdf
 from pivotgait.models.scene import HandleContact, Scene, Table
 from pivotgait.models.scene_checks import check_config, check_lifts
 from pivotgait.models.scene_config import SceneConfig, ToolConfig
 from pivotgait.models.scene_errors import as_scene_error
 from pivotgait.models.scene_yaml import MAX_BYTES, read_yaml
 from pivotgait.models.tool import Tool, load_tool
-from pivotgait.models.urdf import read_urdf
+from pivotgait.models.urdf_files import find_urdf
 
 
 def builtin_scenes() -> tuple[str, ...]:
@@ -136,14 +137,15 @@ def _contacts(config: SceneConfig, tool: Tool, where: str) -> dict[str, HandleCo
 
 def _load_tool(config: ToolConfig, folder: Path | None, where: str) -> Tool:
     handle = config.handle
+    file = find_urdf(config.urdf, folder, kind="tool", at=f"{where}: tool.urdf")
     return load_tool(
-        _find_urdf(config.urdf, folder, f"{where}: tool.urdf"),
+        file.path,
         tip=config.tip,
         handle=handle.shapes,
         origin=np.array(handle.origin_m),
         axis=np.array(handle.axis),
         zero=np.array(handle.zero),
-        roots=(urdf_root(),) if folder is None else (folder, urdf_root()),
+        roots=file.roots,
     )
 
 
@@ -151,32 +153,7 @@ def _load_robot(config: RobotConfig | None, folder: Path | None, where: str) -> 
     if config is None:
         return None
     at = f"{where}: robot"
-    if config.urdf is None:
-        raise SceneError("names no URDF", where=at, mend="give urdf or mount")
-    urdf = read_urdf(_find_urdf(config.urdf, folder, f"{at}.urdf")).text
-    return build_robot(urdf, config, where=at)
-
-
-def _find_urdf(given: str, folder: Path | None, at: str) -> Path:
-    """The URDF of a built-in model, or a file in the scene's folder or the built-in models'."""
-    if given in model_names():
-        return urdf_root() / given / f"{given}.urdf"
-    if not given.endswith(".urdf"):
-        raise UnknownNameError("tool", given, model_names(), where=at)
-    roots = [root.resolve() for root in (folder, urdf_root()) if root is not None]
-    mend = "put the URDF beside the scene file and give its relative path"
-    if "\0" in given:
-        raise SceneError("is not a path", where=at, mend=mend)
-    candidates = [root / given for root in roots]
-    candidates = [path for path in candidates if is_file(path)] or candidates
-    inside = [
-        path
-        for candidate in candidates
-        if any((path := candidate.resolve()).is_relative_to(root) for root in roots)
-    ]
-    if not inside:
-        raise SceneError(f"{given!r} is outside the scene's folder", where=at, mend=mend)
-    return inside[0]
+    return build_robot(robot_urdf(config, folder, where=at), config, where=at)
 
 
 def _read(path: Path) -> str:

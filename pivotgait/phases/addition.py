@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from pivotgait.dynamics import pivot_motion
 from pivotgait.forces import allocate
 from pivotgait.models import HandleContact
 from pivotgait.phases.allocation import allocate_smoothly, allocation_problem
 from pivotgait.phases.grasp import Grasp, Setting, finger_track
+from pivotgait.phases.relocation import resting_tool
 from pivotgait.plans import PIVOT, Phase
 
 
@@ -47,12 +46,10 @@ def plan_addition(
     """
     steps, finger = options.steps, contact.finger
     time = np.linspace(0.0, options.duration_s, steps + 1)
-    still = np.zeros((steps + 1, 3))
-    rotation = Rotation.from_quat(np.tile(grasp.rotation.as_quat(), (steps + 1, 1)))
-    motion = pivot_motion(setting.body, rotation, still, still)
+    motion = resting_tool(setting, grasp.rotation, steps + 1)
     fingers = [*grasp.fingers.values(), contact]
 
-    rest = pivot_motion(setting.body, rotation[:1], still[:1], still[:1])
+    rest = resting_tool(setting, grasp.rotation, 1)
     wanted = allocate(allocation_problem(setting, rest, fingers)).require().force[0]
     normal_wanted = float(wanted[-1] @ (grasp.rotation.as_matrix() @ contact.normal))
     ramp = {finger: np.arange(steps + 1) / steps * normal_wanted}

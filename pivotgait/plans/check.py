@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from pivotgait.exceptions import PlanFileError
-from pivotgait.frozen import Array
+from pivotgait.plans.check_robot import check_robot
+from pivotgait.plans.check_values import check_array, check_finite
 from pivotgait.plans.layout import (
     MAX_CONTACTS,
     MAX_PHASES,
@@ -22,8 +23,6 @@ from pivotgait.plans.plan import PHASE_KINDS, PIVOT, ContactTrack, GaitPlan, Pha
 
 UNIT_TOLERANCE = 1e-3
 """A quaternion farther from unit length than this is not an orientation at all."""
-LARGEST = 1e12
-"""No quantity of a plan is larger, in any SI unit; squares and products stay far from overflow."""
 
 
 def check_plan(plan: GaitPlan, *, where: str = "plan") -> None:
@@ -36,8 +35,8 @@ def check_plan(plan: GaitPlan, *, where: str = "plan") -> None:
     Raises:
         PlanFileError: naming the field, the value and the way to mend it.
     """
-    _check_array(plan.gravity, (3,), f"{where}: gravity")
-    _check_finite(plan.table_height, f"{where}: table height")
+    check_array(plan.gravity, (3,), f"{where}: gravity")
+    check_finite(plan.table_height, f"{where}: table height")
     if not 0 <= plan.seed < 2**63:
         raise PlanFileError(f"seed {plan.seed} is out of range", where=where, mend="0 to 2^63 - 1")
     if not all(isinstance(text, str) for pair in plan.versions.items() for text in pair):
@@ -49,15 +48,16 @@ def check_plan(plan: GaitPlan, *, where: str = "plan") -> None:
         )
     for place, phase in enumerate(plan.phases):
         _check_phase(phase, place, f"{where}: phase {phase.name}")
+    check_robot(plan, where)
 
 
 def _check_tool(tool: PlannedTool, where: str) -> None:
-    _check_finite(tool.mass, f"{where} mass")
+    check_finite(tool.mass, f"{where} mass")
     if not tool.mass > 0.0:
         raise PlanFileError(f"mass is {tool.mass:g} kg", where=where, mend="it must be positive")
-    _check_array(tool.inertia, (3, 3), f"{where} inertia")
-    _check_array(tool.pivot_in_tool, (3,), f"{where} pivot_in_tool")
-    _check_array(tool.centre_of_mass_in_root, (3,), f"{where} centre_of_mass_in_root")
+    check_array(tool.inertia, (3, 3), f"{where} inertia")
+    check_array(tool.pivot_in_tool, (3,), f"{where} pivot_in_tool")
+    check_array(tool.centre_of_mass_in_root, (3,), f"{where} centre_of_mass_in_root")
 
 
 def _check_phase(phase: Phase, place: int, where: str) -> None:
@@ -73,12 +73,12 @@ def _check_phase(phase: Phase, place: int, where: str) -> None:
         raise PlanFileError(
             f"has {count} samples", where=where, mend=f"2 to {MAX_SAMPLES} are allowed"
         )
-    _check_array(phase.time, (count,), f"{where}: time")
+    check_array(phase.time, (count,), f"{where}: time")
     if phase.time[0] != 0.0 or not np.all(np.diff(phase.time) > 0.0):
         raise PlanFileError("time does not start at 0 s and increase", where=where, mend="sort it")
     for name in MOTION:
         width = 4 if name == "orientation" else 3
-        _check_array(getattr(phase.tool, name), (count, width), f"{where}: tool/{name}")
+        check_array(getattr(phase.tool, name), (count, width), f"{where}: tool/{name}")
     stretch = float(np.max(np.abs(np.linalg.norm(phase.tool.orientation, axis=1) - 1.0)))
     if stretch > UNIT_TOLERANCE:
         raise PlanFileError(
@@ -107,11 +107,11 @@ def _check_contacts(phase: Phase, count: int, where: str) -> None:
 def _check_contact(name: str, contact: ContactTrack, count: int, where: str) -> None:
     if contact.name != name or not is_contact_name(name):
         raise PlanFileError(f"name {contact.name!r} cannot be used", where=where, mend="rename it")
-    _check_array(contact.point, (3,), f"{where} point")
-    _check_array(contact.normal, (3,), f"{where} normal")
-    _check_array(contact.force, (count, 3), f"{where} force")
+    check_array(contact.point, (3,), f"{where} point")
+    check_array(contact.normal, (3,), f"{where} normal")
+    check_array(contact.force, (count, 3), f"{where} force")
     for field in ("friction", "normal_min", "normal_max"):
-        _check_finite(getattr(contact, field), f"{where} {field}")
+        check_finite(getattr(contact, field), f"{where} {field}")
     if not contact.friction > 0.0:
         raise PlanFileError(
             f"friction is {contact.friction:g}", where=where, mend="it must be positive"
@@ -122,17 +122,3 @@ def _check_contact(name: str, contact: ContactTrack, count: int, where: str) -> 
             where=where,
             mend="need 0 <= normal_min <= normal_max",
         )
-
-
-def _check_array(array: Array, shape: tuple[int, ...], where: str) -> None:
-    if array.shape != shape:
-        raise PlanFileError(f"has shape {array.shape}", where=where, mend=f"it must be {shape}")
-    if not np.all(np.abs(array) <= LARGEST):
-        raise PlanFileError(
-            f"holds NaN or more than {LARGEST:g}", where=where, mend="numbers must be finite"
-        )
-
-
-def _check_finite(value: float, where: str) -> None:
-    if not abs(value) <= LARGEST:
-        raise PlanFileError(f"is {value:g}", where=where, mend="numbers must be finite")

@@ -88,6 +88,21 @@ class Node:
         except UnicodeDecodeError:
             self.fail(f"attribute {name!r} is not UTF-8")
 
+    def texts(self, name: str, most: int) -> tuple[str, ...]:
+        """Attribute of at most ``most`` UTF-8 strings of fixed length, in one dimension."""
+        dtype, shape = self._attribute(name)
+        kind = h5py.check_string_dtype(dtype)
+        # Strings of variable length may all share one block of a crafted file; their sum would be
+        # known only after it was read.
+        if kind is None or kind.length is None or shape is None or len(shape) != 1:
+            self.fail(f"attribute {name!r} is not a list of texts of fixed length")
+        if shape[0] > most:
+            self.fail(f"attribute {name!r} holds {shape[0]} texts, more than {most}")
+        try:
+            return tuple(bytes(each).decode("utf-8") for each in self.group.attrs[name])
+        except UnicodeDecodeError:
+            self.fail(f"attribute {name!r} is not UTF-8")
+
     def fail(self, what: str, mend: str = _MEND) -> NoReturn:
         """Raise :class:`PlanFileError` about this group."""
         raise PlanFileError(what, where=self.where, mend=mend)

@@ -9,8 +9,29 @@ import h5py
 
 from pivotgait.exceptions import PlanFileError
 from pivotgait.plans.hdf5_nodes import Node
-from pivotgait.plans.layout import MAX_CONTACTS, MAX_PHASES, MAX_SAMPLES, MOTION, SCHEMA, place_of
-from pivotgait.plans.plan import ContactTrack, GaitPlan, Phase, PhaseKind, PlannedTool, ToolMotion
+from pivotgait.plans.layout import (
+    JOINT_MOTION,
+    MAX_CONTACTS,
+    MAX_FINGERS,
+    MAX_JOINTS,
+    MAX_PAIRS,
+    MAX_PHASES,
+    MAX_SAMPLES,
+    MOTION,
+    SCHEMA,
+    place_of,
+)
+from pivotgait.plans.plan import (
+    ContactTrack,
+    GaitPlan,
+    Phase,
+    PhaseKind,
+    PlannedFinger,
+    PlannedRobot,
+    PlannedTool,
+    RobotMotion,
+    ToolMotion,
+)
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -48,6 +69,8 @@ def _plan(root: Node) -> GaitPlan:
     tool, phases = root.child("tool"), root.child("phases")
     if len(phases.group) > MAX_PHASES:
         root.fail(f"has {len(phases.group)} phases, more than {MAX_PHASES}")
+    robot = _robot(root.child("robot")) if "robot" in root.names else None
+    joints = None if robot is None else len(robot.joint_names)
     ordered = sorted(phases.names, key=lambda name: place_of(name, phases.where))
     return GaitPlan(
         scene=root.text("scene"),
@@ -63,12 +86,13 @@ def _plan(root: Node) -> GaitPlan:
             urdf=tool.text("urdf"),
             centre_of_mass_in_root=tool.array("centre_of_mass_in_root", (3,)),
         ),
-        phases=tuple(_phase(phases.child(name), name) for name in ordered),
+        phases=tuple(_phase(phases.child(name), name, joints) for name in ordered),
+        robot=robot,
         certificate=_json_object(root, "certificate"),
     )
 
 
-def _phase(node: Node, name: str) -> Phase:
+def _phase(node: Node, name: str, joints: int | None) -> Phase:
     time = node.array("time", (None,))
     count = len(time)
     if count > MAX_SAMPLES:
@@ -84,6 +108,29 @@ def _phase(node: Node, name: str) -> Phase:
         time=time,
         tool=ToolMotion(**{field: tool.array(field, (count, widths[field])) for field in MOTION}),
         contacts={each: _contact(contacts.child(each), each, count) for each in contacts.names},
+        robot=_robot_motion(node, count, joints) if "robot" in node.names else None,
+    )
+
+
+def _robot_motion(node: Node, count: int, joints: int | None) -> RobotMotion:
+    robot = node.child("robot")
+    return RobotMotion(**{field: robot.array(field, (count, joints)) for field in JOINT_MOTION})
+
+
+def _robot(node: Node) -> PlannedRobot:
+    fingers = node.child("fingers")
+    if len(fingers.group) > MAX_FINGERS:
+        fingers.fail(f"has {len(fingers.group)} fingers, more than {MAX_FINGERS}")
+    each = {name: fingers.child(name) for name in fingers.names}
+    return PlannedRobot(
+        urdf=node.text("urdf"),
+        joint_names=node.texts("joint_names", MAX_JOINTS),
+        fingers={
+            name: PlannedFinger(finger.text("tip_frame"), finger.number("tip_radius"))
+            for name, finger in each.items()
+        },
+        couplings=_pairs(node, "couplings"),
+        never_touch=_pairs(node, "never_touch"),
     )
 
 
@@ -101,14 +148,31 @@ def _contact(node: Node, name: str, count: int) -> ContactTrack:
 
 def _json_object(node: Node, name: str) -> dict[str, Any] | None:
     """JSON object of an attribute; None for ``null``."""
+    value = _json(node, name)
+    if value is not None and not isinstance(value, dict):
+        node.fail(f"attribute {name!r} is not a JSON object")
+    return value
 
+
+def _pairs(node: Node, name: str) -> tuple[tuple[str, str], ...]:
+    """Pairs of texts from a JSON list of lists."""
+    value = _json(node, name)
+    if not isinstance(value, list) or not all(_is_pair(each) for each in value):
+        node.fail(f"attribute {name!r} is not a JSON list of pairs of texts")
+    if len(value) > MAX_PAIRS:
+        node.fail(f"attribute {name!r} holds {len(value)} pairs, more than {MAX_PAIRS}")
+    return tuple((one, other) for one, other in value)
+
+
+def _is_pair(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == 2 and all(isinstance(x, str) for x in value)
+
+
+def _json(node: Node, name: str) -> Any:
     def refuse(constant: str) -> None:
         raise ValueError(f"holds {constant}")
 
     try:
-        value = json.loads(node.text(name), parse_constant=refuse)
+        return json.loads(node.text(name), parse_constant=refuse)
     except (ValueError, RecursionError) as error:
         node.fail(f"attribute {name!r} is not JSON: {error}")
-    if value is not None and not isinstance(value, dict):
-        node.fail(f"attribute {name!r} is not a JSON object")
-    return cast("dict[str, Any] | None", value)

@@ -16,12 +16,18 @@ MOTION = (
     "angular_acceleration",
 )
 """Datasets of ``/phases/NN_kind/tool``; each also names a field of ``ToolMotion``."""
+JOINT_MOTION = ("q", "v", "a", "tau")
+"""Datasets of ``/phases/NN_kind/robot``; each also names a field of ``RobotMotion``."""
 
 MAX_FILE_BYTES = 256 * 2**20
 MAX_TEXT_BYTES = 8 * 2**20
 MAX_SAMPLES = 100_001
 MAX_PHASES = 1000
 MAX_CONTACTS = 16
+MAX_JOINTS = 200
+MAX_FINGERS = MAX_CONTACTS - 1
+MAX_PAIRS = 20_000
+MAX_NAME_BYTES = 200
 
 _PHASE_NAME = re.compile(r"(\d{2,4})_([a-z]+)", re.ASCII)
 _CONTACT_NAME = re.compile(r"[^\W\d][\w-]{0,63}")

@@ -3,9 +3,11 @@
 from pivotgait.plotting.angle import angle_to_normal
 from pivotgait.plotting.cone import force_in_cone
 from pivotgait.plotting.forces import normal_forces
+from pivotgait.plotting.joints import joint_positions, joint_speeds, joint_torques
 from pivotgait.plotting.margins import margins
 from pivotgait.plotting.orientation import orientation
 from pivotgait.plotting.overview import overview
+from pivotgait.plotting.robot_scene import robot_scene
 from pivotgait.plotting.save import SavedFigure, figure_bytes, save_figure
 from pivotgait.plotting.snapshots import gait_strip, tool_snapshots
 from pivotgait.plotting.style import COLUMN_WIDTH, PAGE_WIDTH, contact_colours
@@ -19,10 +21,14 @@ __all__ = [
     "figure_bytes",
     "force_in_cone",
     "gait_strip",
+    "joint_positions",
+    "joint_speeds",
+    "joint_torques",
     "margins",
     "normal_forces",
     "orientation",
     "overview",
+    "robot_scene",
     "save_figure",
     "tool_snapshots",
 ]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 
-from pivotgait.plotting.render import Camera, Surface
+from pivotgait.plotting.render import Camera, Surface, face_normals
 
 _TABLE, _LINES, _SHADOW = "#F0EDE6", "#DFDACE", "#CFCABD"
 _GRID = 0.05
@@ -56,6 +56,6 @@ def draw_ground(axes: Any, camera: Camera, height: float, bodies: Sequence[Surfa
 
 
 def _dropped(faces: np.ndarray, height: float) -> np.ndarray:
-    shadow = faces.copy()
+    shadow = faces[face_normals(faces)[:, 2] > 0.0]  # the sides below fall into the same shadow
     shadow[..., 2] = height
     return shadow

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
-_LARGEST_FACE = 0.008
+LARGEST_FACE = 0.008
 """Faces longer than this [m] are divided, or sorting them by depth would go wrong."""
 
 
-def _steps(length: float) -> int:
-    return max(1, int(np.ceil(length / _LARGEST_FACE)))
+def _steps(length: float, face: float = LARGEST_FACE) -> int:
+    return max(1, int(np.ceil(length / face)))
 
 
 def _grid_faces(grid: Array) -> Array:
@@ -20,15 +20,15 @@ def _grid_faces(grid: Array) -> Array:
     return np.stack(corners, axis=2).reshape(-1, 4, 3)
 
 
-def box(size: ArrayLike) -> Array:
-    """(F, 4, 3) faces of a box of edge lengths ``size`` [m] centred at the origin."""
+def box(size: ArrayLike, face: float = LARGEST_FACE) -> Array:
+    """(F, 4, 3) faces, no longer than ``face``, of a box of ``size`` about the origin [m]."""
     half = np.asarray(size, dtype=float) / 2
     faces = []
     for axis in range(3):
         u, v = (axis + 1) % 3, (axis + 2) % 3
         for sign in (-1.0, 1.0):
-            a = np.linspace(-half[u], half[u], _steps(2 * half[u]) + 1)
-            b = sign * np.linspace(-half[v], half[v], _steps(2 * half[v]) + 1)
+            a = np.linspace(-half[u], half[u], _steps(2 * half[u], face) + 1)
+            b = sign * np.linspace(-half[v], half[v], _steps(2 * half[v], face) + 1)
             grid = np.empty((a.size, b.size, 3))
             grid[..., axis] = sign * half[axis]
             grid[..., u], grid[..., v] = a[:, None], b[None, :]
@@ -56,11 +56,14 @@ def revolve(profile: ArrayLike, segments: int = 20) -> Array:
     return _grid_faces(grid)
 
 
-def cylinder(radius: float, length: float) -> Array:
+def cylinder(radius: float, length: float, face: float = LARGEST_FACE) -> Array:
     """(F, 4, 3) faces of a cylinder along z centred at the origin [m]."""
-    height = np.linspace(-length / 2, length / 2, _steps(length) + 1)
+    height = np.linspace(-length / 2, length / 2, _steps(length, face) + 1)
     side = np.column_stack((np.full(height.size, radius), height))
-    return revolve(np.vstack(([0.0, -length / 2], side, [0.0, length / 2])))
+    disc = np.linspace(0.0, radius, _steps(radius, face) + 1)[:-1]
+    bottom = np.column_stack((disc, np.full(disc.size, -length / 2)))
+    around = max(20, _steps(2 * np.pi * radius, face))
+    return revolve(np.vstack((bottom, side, bottom[::-1] * (1.0, -1.0))), around)
 
 
 def capsule(radius: float, length: float) -> Array:

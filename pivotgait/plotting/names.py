@@ -65,7 +65,7 @@ def _name(look: Look, moment: Moment, track: ContactTrack, naming: Naming) -> _N
     if track.is_pivot:
         under = look.camera.project(point)[:2] - np.array([0.0, 2 * TIP_RADIUS])
         return _Name(text, "center", under, colour)
-    outside = point - 2 * TIP_RADIUS * normal
+    outside = point - 2 * look.tip_radius[track.name] * normal
     outer = max(tail, outside, key=lambda end: float(np.linalg.norm(end - point)))
     start, anchor = look.camera.project(np.stack((point, outer)))[:, :2]
     return _Name(text, "left" if anchor[0] >= start[0] else "right", anchor, colour)

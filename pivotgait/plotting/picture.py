@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,14 @@ from pivotgait.plans.plan import ContactTrack, GaitPlan, Phase
 from pivotgait.plotting import mesh
 from pivotgait.plotting.ground import draw_ground
 from pivotgait.plotting.render import Camera, Surface, paint
+from pivotgait.plotting.robot import RobotSurfaces, robot_surfaces
 from pivotgait.plotting.shapes import tool_surfaces
-from pivotgait.plotting.style import contact_colours
+from pivotgait.plotting.style import contact_colours, contact_names
+from pivotgait.plotting.viewpoint import Sight, clearest_direction, usual_direction
 
 Array = NDArray[np.float64]
 TIP_RADIUS = 0.007
-"""Radius of the fingertips as drawn [m]; a plan does not tell theirs."""
+"""Radius of the fingertips as drawn [m] where a plan, having no robot, does not tell theirs."""
 LONGEST_ARROW = 0.060
 """Length of the largest force's arrow [m]."""
 _CONE_HEIGHT = 0.030
@@ -71,6 +73,8 @@ class Look:
         colours: by contact.
         metres_per_newton: length of the arrows.
         table_height: world z of the table [m].
+        tip_radius: by contact [m].
+        hand: surfaces of the robot's hand, None where no robot is drawn.
     """
 
     camera: Camera
@@ -78,30 +82,65 @@ class Look:
     colours: dict[str, str]
     metres_per_newton: float
     table_height: float
+    tip_radius: Mapping[str, float]
+    hand: RobotSurfaces | None = None
+
+    def bodies(self, moment: Moment) -> list[Surface]:
+        """The tool and, if it is drawn, the hand, in the world."""
+        placed = [Surface(moment.place(s.faces), s.colour) for s in self.tool]
+        if self.hand and moment.phase.robot:
+            placed += self.hand.placed(moment.phase.robot.q[moment.sample])
+        return placed
 
 
-def look_at(plan: GaitPlan, moments: Sequence[Moment]) -> Look:
-    """A point of view before the tip and above it: a lifted tool shows both its sides there."""
+def tip_radii(plan: GaitPlan) -> dict[str, float]:
+    """Radius of every finger's tip [m], by the name of its contacts."""
+    radii = dict.fromkeys(contact_names(plan), TIP_RADIUS)
+    fingers = plan.robot.fingers if plan.robot else {}
+    return radii | {name: finger.tip_radius for name, finger in fingers.items()}
+
+
+def look_at(plan: GaitPlan, moments: Sequence[Moment], *, hand: bool = False) -> Look:
+    """How to draw moments of a plan, with the robot's hand if it has one and ``hand`` is told.
+
+    The eye is before the tool's tip and above it; with a hand, where most fingertips are seen.
+    """
     middle = moments[len(moments) // 2]
-    towards_tip = middle.place(plan.tool.pivot_in_tool) - middle.position
-    azimuth = np.arctan2(towards_tip[1], towards_tip[0])
+    direction = usual_direction(middle.place(plan.tool.pivot_in_tool) - middle.position)
     largest = max(
         float(np.linalg.norm(track.force, axis=1).max())
         for moment in moments
         for track in moment.phase.contacts.values()
     )
-    return Look(
-        Camera.looking_from(float(azimuth) + np.radians(48.0), np.radians(33.0)),
+    look = Look(
+        direction.camera,
         tool_surfaces(plan.tool),
         contact_colours(plan),
         LONGEST_ARROW / max(largest, LEAST_FORCE_N),
         plan.table_height,
+        tip_radii(plan),
+        robot_surfaces(plan, arm=False) if hand else None,
     )
+    if look.hand is None:
+        return look
+    clearest = clearest_direction([_sight(look, moment) for moment in moments], direction)
+    return replace(look, camera=clearest.camera)
+
+
+def _sight(look: Look, moment: Moment) -> Sight:
+    touching = [track for track in moment.phase.contacts.values() if not track.is_pivot]
+    radii = np.array([look.tip_radius[track.name] for track in touching])
+    centres = [
+        point - radius * normal
+        for radius, (point, normal, _) in zip(radii, map(moment.contact, touching), strict=True)
+    ]
+    faces = np.concatenate([surface.faces for surface in look.bodies(moment)])
+    return Sight(faces, np.reshape(centres, (-1, 3)), radii)
 
 
 def draw_moment(axes: Any, look: Look, moment: Moment) -> None:
     """Draw one moment on 2D ``axes``, whose limits are set and keep both axes' scale equal."""
-    bodies = [Surface(moment.place(s.faces), s.colour) for s in look.tool]
+    bodies = look.bodies(moment)
     draw_ground(axes, look.camera, look.table_height, bodies)
     for track in moment.phase.contacts.values():
         bodies += _contact_surfaces(look, moment, track)
@@ -121,7 +160,7 @@ def frame(look: Look, moments: Sequence[Moment], *, close: bool) -> Array:
             if not (close and track.is_pivot):
                 points += arrow_ends(look, moment, track)
         if not close:
-            points += [corner for s in look.tool for corner in moment.place(s.faces).reshape(-1, 3)]
+            points += [corner for s in look.bodies(moment) for corner in s.faces.reshape(-1, 3)]
     flat = look.camera.project(np.array(points))[:, :2]
     low, high = flat.min(axis=0), flat.max(axis=0)
     pad = _ROOM * (high - low) + 0.01  # for the names beside the arrows
@@ -157,8 +196,9 @@ def _contact_surfaces(look: Look, moment: Moment, track: ContactTrack) -> list[S
     size = float(np.linalg.norm(force))
     loaded = size > LEAST_FORCE_N
     surfaces = []
-    if not track.is_pivot:
-        tip = mesh.sphere(TIP_RADIUS) + point - TIP_RADIUS * normal
+    if not (track.is_pivot or look.hand):  # a robot's hand has its own tips
+        radius = look.tip_radius[track.name]
+        tip = mesh.sphere(radius) + point - radius * normal
         surfaces.append(Surface(tip, colour, alpha=1.0 if loaded else 0.3))
     if loaded:
         shaft = mesh.arrow(size * look.metres_per_newton, _SHAFT)

@@ -39,22 +39,28 @@ def tool_surfaces(tool: PlannedTool) -> tuple[Surface, ...]:
     ]
     surfaces = []
     for shape in shapes:
-        faces = _faces(shape) @ shape.rotation.T + shape.translation
+        faces = shape_faces(shape)
         middle = faces.mean(axis=1)
         inside = [_depth(other, middle) > _HIDDEN for other in shapes if other is not shape]
         seen = ~np.any(inside, axis=0) if inside else np.full(len(faces), True)
-        surfaces.append(Surface(faces[seen], _colour(shape.name)))
+        surfaces.append(Surface(faces[seen], material(shape.name)))
     return tuple(surfaces)
 
 
-def _faces(shape: Shape) -> Array:
+def shape_faces(shape: Shape, largest_face: float = mesh.LARGEST_FACE) -> Array:
+    """(F, 4, 3) faces of a primitive in its holder's frame [m], none much longer than told."""
     if shape.kind == "box":
-        return mesh.box(shape.size)
-    if shape.kind == "sphere":
-        return mesh.sphere(shape.size[0])
-    radius, length = shape.size
-    make = mesh.cylinder if shape.kind == "cylinder" else mesh.capsule
-    return make(radius, length)
+        faces = mesh.box(shape.size, largest_face)
+    elif shape.kind == "sphere":
+        faces = mesh.sphere(shape.size[0])
+    else:
+        radius, length = shape.size
+        faces = (
+            mesh.cylinder(radius, length, largest_face)
+            if shape.kind == "cylinder"
+            else mesh.capsule(radius, length)
+        )
+    return np.asarray(faces @ shape.rotation.T + shape.translation)
 
 
 def _depth(shape: Shape, points: Array) -> Array:
@@ -71,7 +77,8 @@ def _depth(shape: Shape, points: Array) -> Array:
     return np.asarray(shape.size[0] - np.hypot(across, beyond))
 
 
-def _colour(name: str) -> str:
+def material(name: str) -> str:
+    """Colour of a tool's shape by its name: dark for grips, grey for metal."""
     for colour, words in _MATERIALS.items():
         if any(word in name.lower() for word in words):
             return colour

@@ -51,7 +51,9 @@ def tool_snapshots(plan: GaitPlan, phase: str) -> Any:
 
 @styled
 def gait_strip(plan: GaitPlan, *, columns: int = 4, width: float = PAGE_WIDTH) -> Any:
-    """The gait at a glance: the tool at the start and at the end of every phase.
+    """The gait at a glance: tool and hand at the start and at the end of every phase.
+
+    A plan without a robot shows its fingertips only (as Xue et al., Fig. 6, with a hand).
 
     Args:
         plan: a gait.
@@ -67,7 +69,7 @@ def gait_strip(plan: GaitPlan, *, columns: int = 4, width: float = PAGE_WIDTH) -
     titles = ["start"] + [f"{phase_title(s.phase)}\n{s.end:.2f} s" for s in timeline]
     rows = -(-len(moments) // columns)
     columns = -(-len(moments) // rows)
-    look = look_at(plan, moments)
+    look = look_at(plan, moments, hand=True)
     box = frame(look, moments, close=False)
     figure = new_figure(width, rows * (_height(box, width / columns) + 0.35) + 0.1)
     panels = list(figure.subplots(rows, columns, squeeze=False).ravel())

@@ -7,7 +7,9 @@ from functools import wraps
 from types import MappingProxyType
 from typing import Any, ParamSpec, TypeVar
 
+import numpy as np
 from matplotlib import rc_context
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from pivotgait.plans.plan import PIVOT, GaitPlan
@@ -74,12 +76,13 @@ def new_figure(width: float, height: float) -> Any:
 
 
 def contact_names(plan: GaitPlan) -> tuple[str, ...]:
-    """The pivot, then every finger of the plan in the order of first mention."""
+    """The pivot, the plan's fingers in the order of first mention, then the robot's others."""
     names: dict[str, None] = {PIVOT: None}
     for phase in plan.phases:
         names |= dict.fromkeys(phase.contacts)
         if phase.finger:
             names[phase.finger] = None
+    names |= dict.fromkeys(plan.robot.fingers if plan.robot else ())
     return tuple(names)
 
 
@@ -96,6 +99,11 @@ def contact_colours(plan: GaitPlan) -> dict[str, str]:
     strangers = sorted(name for name in names if name not in colours)
     colours |= {name: spare[i % len(spare)] for i, name in enumerate(strangers)}
     return colours
+
+
+def mixed(colour: str, white: float) -> str:
+    """``#rrggbb`` with a share of white from 0 to 1 mixed in."""
+    return to_hex((1.0 - white) * np.array(to_rgb(colour)) + white)
 
 
 def contact_strokes(plan: GaitPlan) -> dict[str, dict[str, Any]]:

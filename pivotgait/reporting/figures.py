@@ -21,6 +21,8 @@ def draw_figures(plan: GaitPlan, folder: Path) -> dict[str, Picture]:
         OSError: if the folder cannot be written.
     """
     pictures = dict(_gait_pictures(plan, folder))
+    if plan.robot:
+        pictures |= _robot_pictures(plan, folder)
     for phase in plan.phases:
         pictures |= _phase_pictures(plan, phase, folder)
     return pictures
@@ -29,10 +31,12 @@ def draw_figures(plan: GaitPlan, folder: Path) -> dict[str, Picture]:
 def _gait_pictures(plan: GaitPlan, folder: Path) -> Iterator[tuple[str, Picture]]:
     tool, names = plan.tool.name, ", ".join(phase.name for phase in plan.phases)
     narrow = plotting.gait_strip(plan, columns=2, width=plotting.COLUMN_WIDTH)
+    what = "The tool and the hand" if plan.robot else "The tool"
+    holder = "the hand" if plan.robot else "its fingertips"
     hero = Picture(
         _rendering(plotting.gait_strip(plan), folder, "hero"),
-        alt=f"The {tool} on the table and its fingertips, at the start and after each of {names}.",
-        caption="The tool at the start and at the end of every phase. Arrows are the forces on "
+        alt=f"The {tool} on the table and {holder}, at the start and after each of {names}.",
+        caption=f"{what} at the start and at the end of every phase. Arrows are the forces on "
         "the tool, cones the friction cones they must stay in.",
         narrow=plotting.figure_bytes(narrow, "webp"),
     )
@@ -44,6 +48,35 @@ def _gait_pictures(plan: GaitPlan, folder: Path) -> Iterator[tuple[str, Picture]
         "and the motion of the tool.",
     )
     yield "overview", overview
+
+
+def _robot_pictures(plan: GaitPlan, folder: Path) -> dict[str, Picture]:
+    drawings = {
+        "joint_positions": (
+            plotting.joint_positions,
+            "Place of every joint between its lower limit (−1) and its upper one (1).",
+        ),
+        "joint_speeds": (plotting.joint_speeds, "Speed of every joint over its limit."),
+        "joint_torques": (plotting.joint_torques, "Torque or force of every joint over its limit."),
+    }
+    arm = _rendering(plotting.robot_scene(plan), folder, "robot_scene")
+    pictures = {
+        "robot_scene": Picture(
+            arm,
+            alt=f"The whole arm with its hand on the {plan.tool.name} at the table.",
+            caption="The arm-hand at its table, at the end of the first phase.",
+            narrow=arm,
+            robot=True,
+        )
+    }
+    for name, (draw, caption) in drawings.items():
+        pictures[name] = Picture(
+            _drawing(draw(plan), folder, name),
+            alt=f"{caption} Over time, one panel for arm and wrist and one for each finger.",
+            caption=caption,
+            robot=True,
+        )
+    return pictures
 
 
 def _phase_pictures(plan: GaitPlan, phase: Phase, folder: Path) -> dict[str, Picture]:

@@ -10,6 +10,9 @@ from pivotgait.reporting.figures import draw_figures
 from pivotgait.reporting.page import write_report
 from pivotgait.reporting.summary import read_summary
 
+VIEW = "view.html"
+"""The animated scene as ``pivotgait run`` leaves it beside the plan."""
+
 
 def report_from_folder(folder: Path) -> Path:
     """Draw the figures of ``folder/plan.h5`` and write ``report.html`` beside it.
@@ -17,6 +20,8 @@ def report_from_folder(folder: Path) -> Path:
     ``figures/`` gets each figure as PDF and PNG. ``summary.json``, if there is one, is what
     ``pivotgait plan --json`` printed (its planning times are shown), with the records of
     ``pivotgait validate --json`` under ``validations``.
+
+    A ``view.html`` in the folder is linked.
 
     Returns:
         Path of the page.
@@ -41,4 +46,5 @@ def report_from_folder(folder: Path) -> Path:
         plan_times=summary.plan_times,
         notes=summary.notes,
         validations=summary.validations,
+        view=VIEW if (folder / VIEW).is_file() else "",
     )

@@ -16,6 +16,7 @@ from pivotgait.atomic import write_atomically
 from pivotgait.exceptions import InputError
 from pivotgait.plans.plan import GaitPlan
 from pivotgait.reporting.numbers import number, quantity
+from pivotgait.reporting.robot_rows import clearance, robot_headline, robot_rows
 from pivotgait.reporting.rows import check_rows, phase_rows, violation_rows
 from pivotgait.reporting.summary import Trials
 from pivotgait.reporting.verdict import verdict
@@ -35,6 +36,7 @@ class Picture:
         caption: what to see in it.
         phase: name of the phase it belongs to, empty for the whole gait.
         narrow: the same for a phone, if ``image`` would be too small to read there.
+        robot: whether it shows the arm-hand over the whole gait.
     """
 
     image: bytes
@@ -42,6 +44,7 @@ class Picture:
     caption: str
     phase: str = ""
     narrow: bytes = b""
+    robot: bool = False
 
 
 def data_uri(image: bytes) -> str:
@@ -65,6 +68,7 @@ def write_report(
     plan_times: Mapping[str, float] = MappingProxyType({}),
     notes: Mapping[str, str] = MappingProxyType({}),
     validations: Sequence[Trials] = (),
+    view: str = "",
 ) -> Path:
     """Write ``report.html`` into ``folder``, whole or not at all.
 
@@ -76,6 +80,7 @@ def write_report(
         plan_times: phase's name -> time to plan it [s].
         notes: phase's name -> a sentence about its making.
         validations: closed-loop trials, one entry for each simulator and controller.
+        view: name of the animated scene's file in ``folder``, empty if there is none.
 
     Returns:
         Path of the page.
@@ -84,7 +89,13 @@ def write_report(
         InputError: if the folder cannot be written.
     """
     text = render_report(
-        plan, certificate, figures, plan_times=plan_times, notes=notes, validations=validations
+        plan,
+        certificate,
+        figures,
+        plan_times=plan_times,
+        notes=notes,
+        validations=validations,
+        view=view,
     )
     path = folder / "report.html"
     try:
@@ -105,6 +116,7 @@ def render_report(
     plan_times: Mapping[str, float] = MappingProxyType({}),
     notes: Mapping[str, str] = MappingProxyType({}),
     validations: Sequence[Trials] = (),
+    view: str = "",
 ) -> str:
     """The page's HTML; arguments as :func:`write_report`."""
     environment = Environment(
@@ -128,8 +140,15 @@ def render_report(
         violations=violation_rows(found),
         notes=notes,
         validations=validations,
+        view=view,
+        robot=robot_rows(plan),
+        robot_headline=robot_headline(plan, found),
+        clearance=clearance(found),
         hero=figures.get("hero"),
-        gait_figures=[f for name, f in figures.items() if not f.phase and name != "hero"],
+        robot_figures=[f for f in figures.values() if f.robot],
+        gait_figures=[
+            f for name, f in figures.items() if not (f.phase or f.robot or name == "hero")
+        ],
         phase_figures=[
             (phase, pictures)
             for phase in plan.phases

@@ -23,10 +23,29 @@ class PhaseSummary(BaseModel):
     kkt_residual: FiniteFloat | None = None
     smallest_static_turn_deg: FiniteFloat | None = None
     static_without_turning: bool | None = None
+    nodes: int | None = None
+    length_found_m: FiniteFloat | None = None
+    length_m: FiniteFloat | None = None
 
     @property
     def note(self) -> str:
-        """What the solver says of a removal: whether the turn was needed, and its optimality."""
+        """A sentence or two about how a removal or a relocation was found; else empty."""
+        return self._relocation_note or self._removal_note
+
+    @property
+    def _relocation_note(self) -> str:
+        if self.length_found_m is None or self.length_m is None:
+            return ""
+        found, kept = (quantity(1e3 * x, "mm") for x in (self.length_found_m, self.length_m))
+        return (
+            f"Found by {self.solver} with {number(self.iterations)} samples and "
+            f"{number(self.nodes)} nodes; shortcuts took the path from {found} to {kept}, "
+            "measured as a bound on how far any point of the hand moves."
+        )
+
+    @property
+    def _removal_note(self) -> str:
+        """Whether the turn was needed, and how near the solver came to an optimum."""
         if self.smallest_static_turn_deg is None or self.static_without_turning is None:
             return ""
         need = (

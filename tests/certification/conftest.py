@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from pivotgait.plans import ContactTrack, GaitPlan, Phase, PlannedTool, ToolMotion
+from tests.certification.gantry import with_gantry
 
 URDF = """<?xml version="1.0"?>
 <robot name="rod" version="1.1">
@@ -71,7 +72,7 @@ def valid_plan() -> GaitPlan:
     holding = _last_forces(phases[-1], without="index")
     phases.append(_phase(3, "relocation", "index", rest, holding))
 
-    elsewhere = {**PLACES, "index": [0.12, -0.01, 0.002]}
+    elsewhere = {**PLACES, "index": [0.11, -0.01, 0.002]}
     again = _ramped(phases[-1], rest, "index", [0.1, 3.0, -0.2], elsewhere)
     phases.append(_phase(4, "addition", "index", rest, again, elsewhere))
     return GaitPlan(
@@ -83,6 +84,12 @@ def valid_plan() -> GaitPlan:
         tool=PlannedTool("rod", MASS, INERTIA, -CENTRE, URDF, CENTRE),
         phases=tuple(phases),
     )
+
+
+@pytest.fixture(scope="session")
+def robot_plan(valid_plan: GaitPlan) -> GaitPlan:
+    """The same with an arm-hand, whose middle finger comes by a relocation of its own."""
+    return with_gantry(valid_plan)
 
 
 def _motion(rotation: Rotation, omega: np.ndarray, sigma: np.ndarray) -> ToolMotion:

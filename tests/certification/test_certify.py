@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pivotgait.certification import LIMITS, Certificate, certify, with_clearance
+from pivotgait.certification import TOOL_LIMITS, Certificate, certify, with_clearance
 from pivotgait.exceptions import PivotGaitError
 from pivotgait.plans import GaitPlan, write_plan
 
@@ -75,8 +75,8 @@ def bumped(k: int, change: object) -> Callable[[np.ndarray], np.ndarray]:
 def test_valid_plan_is_valid_far_inside_its_limits(valid_plan: GaitPlan) -> None:
     certificate = certify(valid_plan)
     assert certificate.valid, certificate.violations
-    assert certificate.residuals.keys() == LIMITS.keys()
-    identities = [what for what, limit in LIMITS.items() if not limit.at_least]
+    assert certificate.residuals.keys() == TOOL_LIMITS.keys()
+    identities = [what for what, limit in TOOL_LIMITS.items() if not limit.at_least]
     assert max(certificate.residuals[what] for what in identities) < 1e-12
 
 
@@ -289,7 +289,7 @@ def test_single_change_is_named(valid_plan: GaitPlan, name: str) -> None:
 def test_every_limit_is_missed_by_some_change(valid_plan: GaitPlan) -> None:
     """No check that cannot fail."""
     covered = set().union(*(expected for _, expected in MUTATIONS.values()))
-    assert covered == set(LIMITS)
+    assert covered == set(TOOL_LIMITS)
 
 
 def test_violation_tells_phase_contact_and_time(valid_plan: GaitPlan) -> None:
@@ -297,7 +297,7 @@ def test_violation_tells_phase_contact_and_time(valid_plan: GaitPlan) -> None:
     ramp = next(each for each in certify(plan).violations if each.what == "ramp_n")
     assert (ramp.phase, ramp.contact) == ("02_removal", "index")
     assert ramp.time_s == plan.phases[REMOVAL].time[9]
-    assert ramp.limit == LIMITS["ramp_n"].bound < ramp.value
+    assert ramp.limit == TOOL_LIMITS["ramp_n"].bound < ramp.value
 
 
 def test_relocating_finger_carries_nothing(valid_plan: GaitPlan) -> None:
@@ -341,7 +341,7 @@ def test_json_is_plain_and_complete(valid_plan: GaitPlan) -> None:
     broken = in_contact(LIFT, "pivot", force=bumped(7, 1e-5 * UP))(valid_plan)
     data = json.loads(json.dumps(certify(broken).as_json(), allow_nan=False))
     assert data["valid"] is False
-    assert set(data["residuals"]) == set(data["tolerances"]) == set(LIMITS)
+    assert set(data["residuals"]) == set(data["tolerances"]) == set(TOOL_LIMITS)
     for violation in data["violations"]:
         assert {"phase", "what", "value", "limit"} <= set(violation)
         assert violation["phase"] == "00_lift"

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pivotgait.plans import ContactTrack, GaitPlan, Phase, PlannedTool, ToolMotion
+from pivotgait.plans import (
+    ContactTrack,
+    GaitPlan,
+    Phase,
+    PlannedFinger,
+    PlannedRobot,
+    PlannedTool,
+    RobotMotion,
+    ToolMotion,
+)
 from pivotgait.plans.plan import PHASE_KINDS
 
 
@@ -26,6 +37,26 @@ def plan() -> GaitPlan:
         tool=tool,
         phases=phases,
     )
+
+
+@pytest.fixture
+def robot_plan(plan: GaitPlan) -> GaitPlan:
+    """The same with an arm-hand of four joints."""
+    rng = np.random.default_rng(12)
+    robot = PlannedRobot(
+        urdf="<robot name='hand'/>\n",
+        joint_names=("J1", "Gelenk_zwölf", "FFJ2", "FFJ1"),
+        fingers={"thumb": PlannedFinger("thtip", 0.0075), "index": PlannedFinger("fftip", 0.006)},
+        couplings=(("FFJ1", "FFJ2"),),
+        never_touch=(("palm", "thtip"), ("arm", "palm")),
+    )
+    phases = tuple(
+        replace(
+            phase, robot=RobotMotion(*(rng.normal(size=(phase.time.size, 4)) for _ in range(4)))
+        )
+        for phase in plan.phases
+    )
+    return replace(plan, robot=robot, phases=phases)
 
 
 def _phase(rng: np.random.Generator, place: int, kind: str) -> Phase:

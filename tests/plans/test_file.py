@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -32,14 +33,35 @@ def same(left: object, right: object) -> bool:
     return left == right
 
 
+@pytest.fixture(params=["plan", "robot_plan"])
+def any_plan(request: pytest.FixtureRequest) -> GaitPlan:
+    return request.getfixturevalue(request.param)
+
+
 @pytest.fixture
 def path(plan: GaitPlan, tmp_path: Path) -> Path:
     write_plan(plan, tmp_path / "plan.h5")
     return tmp_path / "plan.h5"
 
 
-def test_read_gives_what_was_written(plan: GaitPlan, path: Path) -> None:
-    assert same(read_plan(path), plan)
+def test_read_gives_what_was_written(any_plan: GaitPlan, tmp_path: Path) -> None:
+    write_plan(any_plan, tmp_path / "any.h5")
+    assert same(read_plan(tmp_path / "any.h5"), any_plan)
+
+
+def test_order_of_contacts_and_fingers_is_kept(robot_plan: GaitPlan, tmp_path: Path) -> None:
+    """Not the alphabet's, and the same bytes when read and written again."""
+    for names in (["pivot", "thumb", "index"], ["index", "pivot", "thumb"]):
+        phases = tuple(
+            replace(phase, contacts={name: phase.contacts[name] for name in names})
+            for phase in robot_plan.phases
+        )
+        write_plan(replace(robot_plan, phases=phases), tmp_path / "a.h5")
+        read = read_plan(tmp_path / "a.h5")
+        assert [list(phase.contacts) for phase in read.phases] == [names] * len(phases)
+        assert list(read.robot.fingers) == list(robot_plan.robot.fingers) == ["thumb", "index"]
+        write_plan(read, tmp_path / "b.h5")
+        assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
 
 
 def test_read_arrays_are_read_only(path: Path) -> None:
@@ -47,13 +69,14 @@ def test_read_arrays_are_read_only(path: Path) -> None:
         read_plan(path).phases[0].tool.position[0] = 0.0
 
 
-def test_same_plan_same_bytes_in_another_process(plan: GaitPlan, path: Path, tmp_path) -> None:
-    again = tmp_path / "again.h5"
+def test_same_plan_same_bytes_in_another_process(any_plan: GaitPlan, tmp_path) -> None:
+    path, again = tmp_path / "any.h5", tmp_path / "again.h5"
+    write_plan(any_plan, path)
     code = (
         "import sys; from pivotgait.plans import *; write_plan(read_plan(sys.argv[1]), sys.argv[2])"
     )
     subprocess.run([sys.executable, "-c", code, path, again], check=True)
-    assert again.read_bytes() == path.read_bytes() == plan_to_bytes(plan)
+    assert again.read_bytes() == path.read_bytes() == plan_to_bytes(any_plan)
 
 
 def test_layout_is_the_contract(path: Path) -> None:
@@ -80,6 +103,24 @@ def test_layout_is_the_contract(path: Path) -> None:
         kinds: list[str] = []
         file.visititems(lambda _, node: kinds.append(getattr(node, "dtype", np.dtype("f8")).str))
         assert set(kinds) == {"<f8"}
+
+
+def test_layout_of_the_robot_is_the_contract(robot_plan: GaitPlan, tmp_path: Path) -> None:
+    write_plan(robot_plan, tmp_path / "plan.h5")
+    with h5py.File(tmp_path / "plan.h5") as file:
+        robot, finger = file["robot"], file["robot/fingers/thumb"]
+        assert set(robot.attrs) == {"urdf", "joint_names", "couplings", "never_touch"}
+        names = tuple(name.decode() for name in robot.attrs["joint_names"])
+        assert names == robot_plan.robot.joint_names
+        assert json.loads(robot.attrs["couplings"]) == [["FFJ1", "FFJ2"]]
+        assert set(robot) == {"fingers"}
+        assert set(robot["fingers"]) == {"thumb", "index"}
+        assert set(finger.attrs) == {"tip_frame", "tip_radius"}
+        assert finger.attrs["tip_radius"] == 0.0075
+        motion = file["phases/01_removal/robot"]
+        assert {name: motion[name].shape for name in motion} == dict.fromkeys(
+            ("q", "v", "a", "tau"), (4, 4)
+        )
 
 
 def test_text_longer_than_64_kb(plan: GaitPlan, tmp_path: Path) -> None:

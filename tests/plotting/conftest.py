@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from pivotgait.contacts import grasp_map
-from pivotgait.plans.plan import ContactTrack, GaitPlan, Phase, PlannedTool, ToolMotion
+from pivotgait.models.urdf import check_urdf
+from pivotgait.plans.plan import (
+    ContactTrack,
+    GaitPlan,
+    Phase,
+    PlannedFinger,
+    PlannedRobot,
+    PlannedTool,
+    RobotMotion,
+    ToolMotion,
+)
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 PIVOT_IN_TOOL = np.array([0.22, 0.0, 0.014])
@@ -120,9 +132,56 @@ def knife_plan(certificate=None, scene="tool: knife\nseed: 1\n"):
         URDF,
         np.array([-0.22, 0.0, -0.014]),
     )
-    return GaitPlan(scene, 1, {"pivotgait": "0.1.0"}, GRAVITY, 0.0, tool, phases, certificate)
+    return GaitPlan(
+        scene, 1, {"pivotgait": "0.1.0"}, GRAVITY, 0.0, tool, phases, certificate=certificate
+    )
+
+
+ROBOT_URDF = (
+    Path(__file__).parents[2] / "urdf/cobra_s800_shadow/cobra_s800_shadow.urdf"
+).read_text()
+FINGERS = MappingProxyType(
+    {
+        "thumb": PlannedFinger("thtip", 0.0075),
+        "index": PlannedFinger("fftip", 0.006),
+        "middle": PlannedFinger("mftip", 0.006),
+    }
+)
+
+
+def with_robot(plan):
+    """The plan with an arm-hand that moves smoothly in the middle of its joints' ranges.
+
+    Its fingers do not hold the tool; torques reach 40 % and speeds about 10 % of their limits.
+    """
+    joints = [j for j in check_urdf(ROBOT_URDF, where="robot").joints.values() if j.kind != "fixed"]
+    lower, upper, effort = np.array([(j.lower, j.upper, j.effort) for j in joints]).T
+    rng = np.random.default_rng(3)
+    start = rng.uniform(-0.3, 0.3, len(joints))
+    phases = []
+    for phase in plan.phases:
+        t, end = phase.time[:, None], phase.time[-1]
+        swing = rng.uniform(-0.1, 0.1, len(joints))
+        turn = np.pi / end
+        share = start + swing * (1 - np.cos(turn * t)) / 2
+        half = (upper - lower) / 2
+        motion = RobotMotion(
+            (lower + upper) / 2 + half * share,
+            half * swing * turn * np.sin(turn * t) / 2,
+            half * swing * turn**2 * np.cos(turn * t) / 2,
+            0.4 * effort * np.sin(3 * t + np.arange(len(joints))),
+        )
+        phases.append(replace(phase, robot=motion))
+        start = start + swing
+    robot = PlannedRobot(ROBOT_URDF, tuple(j.name for j in joints), FINGERS)
+    return replace(plan, robot=robot, phases=tuple(phases))
 
 
 @pytest.fixture(scope="session")
 def plan():
     return knife_plan()
+
+
+@pytest.fixture(scope="session")
+def robot_plan(plan):
+    return with_robot(plan)

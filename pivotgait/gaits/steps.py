@@ -1,0 +1,99 @@
+"""A gait's phases as the tool feels them: motion and forces, before any hand is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from types import MappingProxyType
+
+from pivotgait.exceptions import PivotGaitError
+from pivotgait.models import AdditionPhase, LiftPhase, PhaseConfig, RelocationPhase
+from pivotgait.phases.addition import AdditionOptions, plan_addition
+from pivotgait.phases.grasp import Grasp, Setting
+from pivotgait.phases.lift import LiftOptions, plan_lift
+from pivotgait.phases.removal import RemovalOptions, plan_removal
+from pivotgait.phases.removal_problem import RemovalWeights
+from pivotgait.plans import Phase
+from pivotgait.plans.layout import phase_name
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One phase of the gait.
+
+    Attributes:
+        config: what the scene asks for.
+        name: of the phase.
+        phase: tool motion and forces; None for a relocation, whose duration the hand decides.
+        before: the grasp it starts from.
+        after: the grasp it ends in.
+        plan_time_s: time it took to plan so far.
+    """
+
+    config: PhaseConfig
+    name: str
+    phase: Phase | None
+    before: Grasp
+    after: Grasp
+    plan_time_s: float
+
+
+def plan_steps(
+    setting: Setting,
+    configs: Sequence[PhaseConfig],
+    done: Callable[[Step, int], None] | None = None,
+) -> tuple[Step, ...]:
+    """Plan the tool's motion and forces phase after phase, each from where the last one ended.
+
+    Args:
+        setting: tool and table.
+        configs: what the scene asks for.
+        done: called after each step with its place.
+
+    Raises:
+        InfeasibleError: no forces or no motion satisfy a phase's constraints.
+        SolverError: a solver failed otherwise.
+    """
+    grasp = Grasp(setting.scene.rest_rotation, MappingProxyType({}))
+    steps: list[Step] = []
+    for place, config in enumerate(configs):
+        began, name = perf_counter(), phase_name(place, config.kind)
+        phase, after = _plan(setting, grasp, config, name)
+        if isinstance(config, LiftPhase):
+            grasp = Grasp(grasp.rotation, after.fingers)
+        steps.append(Step(config, name, phase, grasp, after, perf_counter() - began))
+        if done is not None:
+            done(steps[-1], place)
+        grasp = after
+    return tuple(steps)
+
+
+def _plan(
+    setting: Setting, grasp: Grasp, config: PhaseConfig, name: str
+) -> tuple[Phase | None, Grasp]:
+    scene = setting.scene
+    try:
+        if isinstance(config, RelocationPhase):
+            return None, grasp
+        if isinstance(config, LiftPhase):
+            touching = [scene.contacts[each] for each in config.contacts]
+            start = Grasp(grasp.rotation, {contact.finger: contact for contact in touching})
+            lift = LiftOptions(config.duration_s, config.steps, config.profile)
+            return plan_lift(setting, start, scene.lift_rotation(config.to), lift, name=name)
+        contact = scene.contacts[config.contact]
+        if isinstance(config, AdditionPhase):
+            addition = AdditionOptions(config.duration_s, config.steps)
+            return plan_addition(setting, grasp, contact, addition, name=name)
+        removal = RemovalOptions(
+            config.duration_s,
+            config.steps,
+            RemovalWeights(**config.weights.model_dump()),
+            doubling=config.doubling,
+        )
+        return plan_removal(setting, grasp, contact.finger, removal, name=name)
+    except PivotGaitError as error:
+        if name in error.where:
+            raise
+        where = f"{name} {error.where}".strip()
+        raise type(error)(error.what, where=where, mend=error.mend) from error

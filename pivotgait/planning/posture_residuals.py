@@ -1,0 +1,222 @@
+"""What a chain of hand postures is asked for, as residuals with analytic Jacobians.
+
+For each key pose: tips at their contacts, contacts on the pads, joints within limits and
+couplings, clearance; between key poses: a contact that lasts is seen by its fingertip in one
+direction (rolling is held to zero, Xue et al., eq. 9), and postures stay near one another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from pivotgait.frozen import Array
+from pivotgait.kinematics.conditioning import ANGLE_LENGTH
+from pivotgait.kinematics.dexterity import dexterity
+from pivotgait.models import Finger, Robot
+from pivotgait.planning.collision import CollisionWorld
+from pivotgait.planning.key_posture import KeyPose, check_fingers, held_on
+
+Block = tuple[Array, list[tuple[int, Array]]]
+
+
+@dataclass(frozen=True)
+class PostureWeights:
+    """What one unit of each residual is; a residual of 1 is a clear fault.
+
+    Attributes:
+        position: distance of a tip from its place [m].
+        direction: change of the direction in which a tip sees a lasting contact [rad].
+        pad: cosine by which a contact leaves the pad's cone.
+        clearance: missing distance [m].
+        clearance_wish: distance wished for beyond the clearance asked for [m].
+        limit: share of a joint's range by which its limit's margin is entered.
+        limit_margin: margin to joint limits, share of the range.
+        coupling: joint angle by which a coupling is broken [rad].
+        coupling_margin: angle by which couplings are to be kept [rad].
+        dexterity: missing distance of a finger from its singularity [m].
+        dexterity_wish: distance from it that is wished for [m].
+        home: share of a joint's range away from home.
+        change: share of a joint's range between neighbouring key poses.
+    """
+
+    position: float = 1e-3
+    direction: float = 0.02
+    pad: float = 0.05
+    clearance: float = 1e-3
+    clearance_wish: float = 1e-3
+    limit: float = 0.1
+    limit_margin: float = 0.03
+    coupling: float = 0.2
+    coupling_margin: float = 0.02
+    dexterity: float = 5e-4
+    dexterity_wish: float = 3e-3
+    home: float = 50.0
+    change: float = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class NormalEquations:
+    """Cost and Gauss-Newton model of residuals that join neighbours only.
+
+    Attributes:
+        cost: r^T r.
+        gradient: (K nv,) J^T r.
+        normal: (K nv, K nv) J^T J, block tridiagonal.
+    """
+
+    cost: float
+    gradient: Array
+    normal: Array
+
+
+class PostureResiduals:
+    """Residuals of postures (K, nv) at K key poses, and their normal equations.
+
+    Args:
+        robot: the arm-hand.
+        keys: in the order of time.
+        world: for the clearance; None leaves collisions out.
+        weights: what each residual is measured in.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        keys: Sequence[KeyPose],
+        world: CollisionWorld | None = None,
+        weights: PostureWeights | None = None,
+    ) -> None:
+        check_fingers(keys, robot)
+        self.robot, self.keys, self.weights = robot, tuple(keys), weights or PostureWeights()
+        self.lasting = held_on(self.keys)
+        self._data = robot.model.createData()
+        span = robot.upper - robot.lower
+        # A joint that turns more than once (a SCARA's last) is no better in its middle.
+        self._span = np.where(span > 2.0 * np.pi, np.inf, span)
+        self._range = span
+        self._worlds = [world and world.holding(frozenset(key.contacts)) for key in self.keys]
+
+    def normal_equations(self, postures: Array) -> NormalEquations:
+        """Cost, gradient and J^T J at postures (K, nv) [rad] or [m].
+
+        Summed block by block: the products stay small and their cost linear in K.
+        """
+        n, count = self.robot.nv, len(self.keys)
+        cost, gradient = 0.0, np.zeros((count, n))
+        normal = np.zeros((count, n, count, n))
+        for residual, parts in self.blocks(postures):
+            cost += float(residual @ residual)
+            for k, jacobian in parts:
+                gradient[k] += residual @ jacobian
+                for other, beside in parts:
+                    normal[k, :, other] += jacobian.T @ beside
+        return NormalEquations(cost, gradient.ravel(), normal.reshape(count * n, count * n))
+
+    def blocks(self, postures: Array) -> Iterator[Block]:
+        """Each residual (R,) with the places of its postures and its Jacobians (R, nv) by them."""
+        seen: dict[tuple[str, int], tuple[Array, Array]] = {}
+        for k, key in enumerate(self.keys):
+            own = [self._posture(postures[k]), self._clearance(k, postures[k])]
+            for residual, jacobian in own + self._contacts(k, key, postures[k], seen):
+                yield residual, [(k, jacobian)]
+        for finger, k, following in self.lasting:
+            (one, by_one), (other, by_other) = seen[finger, k], seen[finger, following]
+            scale = 1.0 / self.weights.direction
+            yield scale * (one - other), [(k, scale * by_one), (following, -scale * by_other)]
+        step = np.diag(1.0 / (self.weights.change * self._span))
+        for k in range(len(self.keys) - 1):
+            yield step @ (postures[k + 1] - postures[k]), [(k + 1, step), (k, -step)]
+
+    def tips(self, key: KeyPose, q: Array) -> dict[str, tuple[Array, Array, Array, Array]]:
+        """For each finger that touches: how far its tip is off, and the direction of its contact.
+
+        Returns:
+            finger -> error (3,) world [m], its Jacobian (3, nv), direction from the tip's centre
+            to the contact (3,) in the tip frame, its Jacobian (3, nv).
+        """
+        model, data = self.robot.model, self._data
+        pin.computeJointJacobians(model, data, q)
+        found: dict[str, tuple[Array, Array, Array, Array]] = {}
+        for name, contact in key.contacts.items():
+            finger = self.robot.fingers[name]
+            placement = pin.updateFramePlacement(model, data, finger.tip_frame_id)
+            jacobian = self._tip_jacobian(finger)
+            inward = key.rotation @ contact.normal
+            place = key.position + key.rotation @ contact.point - finger.tip_radius * inward
+            turn = placement.rotation.T
+            # d(R^T n) = R^T (n x w) for a tip that turns with w.
+            by_turn = turn @ _skew(inward) @ jacobian[3:]
+            found[name] = (placement.translation - place, jacobian[:3], turn @ inward, by_turn)
+        return found
+
+    def _contacts(
+        self, k: int, key: KeyPose, q: Array, seen: dict[tuple[str, int], tuple[Array, Array]]
+    ) -> list[tuple[Array, Array]]:
+        weights, blocks = self.weights, []
+        for name, (error, by_q, direction, turned) in self.tips(key, q).items():
+            finger = self.robot.fingers[name]
+            seen[name, k] = direction, turned
+            blocks.append((error / weights.position, by_q / weights.position))
+            missing = np.cos(finger.pad_cone) - finger.pad @ direction
+            if missing > 0.0:
+                by_pad = -(finger.pad @ turned) / weights.pad
+                blocks.append((np.array([missing / weights.pad]), by_pad[None]))
+            blocks += self._dexterity(finger, key)
+        return blocks
+
+    def _dexterity(self, finger: Finger, key: KeyPose) -> list[tuple[Array, Array]]:
+        jacobian = self._tip_jacobian(finger)
+        inward = key.rotation @ key.contacts[finger.name].normal
+        distance, by_q = dexterity(jacobian, inward, finger.columns, ANGLE_LENGTH)
+        missing = self.weights.dexterity_wish - distance
+        if missing <= 0.0:
+            return []
+        scale = 1.0 / self.weights.dexterity
+        return [(np.array([scale * missing]), -scale * by_q[None])]
+
+    def _tip_jacobian(self, finger: Finger) -> Array:
+        """(6, nv) of the tip's centre, world axes, at the last computed joint Jacobians."""
+        model, data = self.robot.model, self._data
+        return np.asarray(
+            pin.getFrameJacobian(model, data, finger.tip_frame_id, pin.LOCAL_WORLD_ALIGNED)
+        )
+
+    def _posture(self, q: Array) -> tuple[Array, Array]:
+        robot, weights, eye = self.robot, self.weights, np.eye(self.robot.nv)
+        margin = weights.limit_margin * self._range
+        low, high = robot.lower + margin - q, q - robot.upper + margin
+        below, above = np.flatnonzero(low > 0.0), np.flatnonzero(high > 0.0)
+        scale = 1.0 / (weights.limit * self._range)
+        home = 1.0 / (weights.home * self._span)
+        rows = [(home * (q - robot.home), np.diag(home))]
+        rows.append(((low * scale)[below], -(eye * scale[:, None])[below]))
+        rows.append(((high * scale)[above], (eye * scale[:, None])[above]))
+        for i, j in robot.couplings:
+            broken = q[i] - q[j] + weights.coupling_margin
+            if broken > 0.0:
+                rows.append(
+                    (
+                        np.array([broken]) / weights.coupling,
+                        (eye[i] - eye[j])[None] / weights.coupling,
+                    )
+                )
+        return np.concatenate([r for r, _ in rows]), np.concatenate([j for _, j in rows])
+
+    def _clearance(self, k: int, q: Array) -> tuple[Array, Array]:
+        world, key, weights = self._worlds[k], self.keys[k], self.weights
+        if world is None:
+            return np.zeros(0), np.zeros((0, self.robot.nv))
+        wanted = world.clearance_min + weights.clearance_wish
+        near: list[Any] = world.near(q, key.rotation, key.position, wanted)
+        missing = np.array([wanted - distance for distance, _ in near])
+        gradient = np.array([slope for _, slope in near]).reshape(len(near), self.robot.nv)
+        return missing / weights.clearance, -gradient / weights.clearance
+
+
+def _skew(v: Array) -> Array:
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])

@@ -1,0 +1,70 @@
+"""Levenberg-Marquardt within joint limits for the residuals of a chain of postures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lapack
+
+from pivotgait.frozen import Array, FrozenArrays
+from pivotgait.planning.posture_residuals import NormalEquations, PostureResiduals
+
+_LARGEST_STEP = 0.5  # [rad] or [m]: linearised tips are wrong beyond
+
+
+@dataclass(frozen=True, eq=False)
+class PostureFit(FrozenArrays):
+    """The end of a descent.
+
+    Attributes:
+        postures: (K, nv).
+        cost: sum of squared residuals.
+        iterations: accepted steps.
+    """
+
+    postures: Array
+    cost: float
+    iterations: int
+
+
+def fit_postures(
+    residuals: PostureResiduals, start: Array, *, iterations: int = 40, tolerance: float = 1e-3
+) -> PostureFit:
+    """Descend from ``start`` (K, nv) until a step gains less than ``tolerance`` of the cost.
+
+    Steps solve (J^T J + damping diag(J^T J)) dx = -J^T r and are cut at the joint limits.
+    """
+    robot = residuals.robot
+    postures, damping = np.array(start), 1e-2
+    model = residuals.normal_equations(postures)
+    for iteration in range(iterations):
+        for _ in range(6):
+            step = _damped_step(model, damping, robot.nv).reshape(postures.shape)
+            step *= min(1.0, _LARGEST_STEP / max(float(np.abs(step).max()), 1e-12))
+            trial = np.clip(postures + step, robot.lower, robot.upper)
+            there = residuals.normal_equations(trial)
+            if there.cost < model.cost:
+                break
+            damping *= 4.0
+        else:
+            return PostureFit(postures, model.cost, iteration)
+        damping = max(0.3 * damping, 1e-7)
+        gain = (model.cost - there.cost) / model.cost
+        postures, model = trial, there
+        if gain < tolerance and iteration > 4:
+            break
+    return PostureFit(postures, model.cost, iteration + 1)
+
+
+def _damped_step(model: NormalEquations, damping: float, nv: int) -> Array:
+    """Solve (J^T J + damping diag(J^T J)) dx = -J^T r, a band of two blocks."""
+    size = len(model.gradient)
+    band = min(2 * nv, size) - 1
+    lower = np.zeros((band + 1, size))
+    for offset in range(band + 1):
+        lower[offset, : size - offset] = np.diagonal(model.normal, -offset)
+    lower[0] += damping * (lower[0] + 1e-6)
+    _, step, info = lapack.dpbsv(lower, -model.gradient, lower=1, overwrite_ab=1)
+    # Not positive definite to rounding: no step, so that the caller damps more.
+    return step if info == 0 else np.zeros(size)

@@ -1,0 +1,152 @@
+"""Joints of the arm-hand over a gait, each as a share of its limits, by finger and palm."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pivotgait.exceptions import InputError
+from pivotgait.frozen import Array
+from pivotgait.margins.joints import LargestShare, ShareKind, joint_shares, largest_share
+from pivotgait.plans.plan import GaitPlan
+from pivotgait.plotting.labels import EndLabel, label_right
+from pivotgait.plotting.posture import skeleton
+from pivotgait.plotting.style import (
+    LIMIT_COLOUR,
+    PAGE_WIDTH,
+    contact_colours,
+    mixed,
+    new_figure,
+    styled,
+)
+from pivotgait.plotting.timeline import shade_phases, spans
+
+PALM = "arm and wrist"
+_PALM_COLOUR = "#3A3D40"
+_BEYOND = "#F3D9CF"
+_PALEST = 0.55
+"""Share of white in the colour of the outermost joint."""
+_DASHES: Sequence[Any] = ("-", (0, (5, 1.5)), (0, (1, 1)), "-", (0, (5, 1.5)), (0, (1, 1)))
+_REACHES = (0.12, 0.25, 0.5, 1.15)
+"""Ends of the axis to choose from: the smallest that holds the curves."""
+
+
+class _Curve(NamedTuple):
+    """Shares of a joint (N,) over times of the gait (N,) [s]."""
+
+    time: Array
+    share: Array
+
+
+@styled
+def joint_positions(plan: GaitPlan) -> Any:
+    """Every joint's place between its lower limit (-1) and its upper one (1) over the gait.
+
+    Panels are the arm with the wrist, and each finger; what lies beyond the limits is shaded.
+
+    Args:
+        plan: a gait with a robot.
+
+    Returns:
+        A matplotlib ``Figure`` of page width.
+
+    Raises:
+        InputError: if the plan has no robot.
+        UrdfError: if the robot's URDF is broken.
+    """
+    return _draw_all(plan, "range", "place in\nrange [-]")
+
+
+@styled
+def joint_speeds(plan: GaitPlan) -> Any:
+    """Every joint's velocity over its limit; panels and errors as :func:`joint_positions`."""
+    return _draw_all(plan, "speed", "speed /\nlimit [-]")
+
+
+@styled
+def joint_torques(plan: GaitPlan) -> Any:
+    """Every joint's torque or force over its limit (Xue et al., eq. 17).
+
+    Panels and errors as :func:`joint_positions`.
+    """
+    return _draw_all(plan, "torque", "torque /\nlimit [-]")
+
+
+def _draw_all(plan: GaitPlan, kind: ShareKind, label: str) -> Any:
+    largest = largest_share(plan, kind)
+    if plan.robot is None or largest is None:
+        raise InputError("has no robot", where="plan", mend="plan a scene with a robot")
+    body = skeleton(plan.robot)
+    groups = {name: body.joints_of(name) for name in (PALM, *plan.robot.fingers)}
+    groups = {name: joints for name, joints in groups.items() if joints}
+    colours = {PALM: _PALM_COLOUR} | contact_colours(plan)
+    curves = _curves(plan, kind)
+    reach = 1.15 if kind == "range" else _reach(largest.value)
+    figure = new_figure(PAGE_WIDTH, 0.55 + 1.0 * len(groups))
+    panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
+    for number, (panel, (name, joints)) in enumerate(zip(panels, groups.items(), strict=True)):
+        shade_phases(panel, plan, named=number == 0)
+        _shade_limits(panel, reach)
+        _draw_group(panel, {joint: curves[joint] for joint in joints}, colours[name])
+        panel.set_ylabel(f"{name}\n{label}")
+        if largest.joint in joints:
+            _mark(panel, plan, largest, curves[largest.joint])
+    figure.align_ylabels(panels)
+    beyond = "the limits, ±1, lie beyond these axes; " if reach < 1.0 else ""
+    panels[-1].set_xlabel(f"{beyond}time [s]")
+    return figure
+
+
+def _curves(plan: GaitPlan, kind: ShareKind) -> dict[str, list[_Curve]]:
+    """Every joint's curves, one for each phase."""
+    names = plan.robot.joint_names if plan.robot else ()
+    found: dict[str, list[_Curve]] = {}
+    for span, shares in zip(spans(plan), joint_shares(plan), strict=True):
+        for name, curve in zip(names, shares.of(kind).T, strict=True):
+            found.setdefault(name, []).append(_Curve(span.time, curve))
+    return found
+
+
+def _reach(largest: float) -> float:
+    return next((reach for reach in _REACHES if 1.1 * largest <= reach), 1.1 * largest)
+
+
+def _shade_limits(axes: Any, reach: float) -> None:
+    for sign in (-1.0, 1.0):
+        axes.axhspan(sign, sign * max(reach, 1.0), color=_BEYOND, lw=0, zorder=0.5)
+        axes.axhline(sign, color=LIMIT_COLOUR, lw=0.8, ls=(0, (4, 3)))
+    axes.set_ylim(-reach, reach)
+
+
+def _draw_group(axes: Any, joints: dict[str, list[_Curve]], colour: str) -> None:
+    """Curves of some joints, paler from the base outwards, named at their ends."""
+    labels = []
+    for place, (name, phases) in enumerate(joints.items()):
+        shade = mixed(colour, _PALEST * place / max(len(joints) - 1, 1))
+        for curve in phases:
+            axes.plot(*curve, color=shade, ls=_DASHES[place % len(_DASHES)], lw=1.1, label=name)
+        labels.append(EndLabel(name, float(phases[-1].share[-1]), shade))
+    label_right(axes, labels)
+
+
+def _mark(axes: Any, plan: GaitPlan, largest: LargestShare, phases: list[_Curve]) -> None:
+    """Mark and name the largest share, inwards from its place."""
+    number = [phase.name for phase in plan.phases].index(largest.phase)
+    curve = phases[number]
+    sample = int(np.argmax(np.abs(curve.share)))
+    time, value = float(curve.time[sample]), float(curve.share[sample])
+    late, high = time > 0.6 * axes.get_xlim()[1], value > 0.0
+    axes.plot(time, value, "o", ms=3.5, color=LIMIT_COLOUR, clip_on=False, zorder=5)
+    axes.annotate(
+        f"largest: {largest.value:.2f}, {largest.joint}, {time:.2f} s",
+        (time, value),
+        xytext=(-6 if late else 6, -5 if high else 5),
+        textcoords="offset points",
+        ha="right" if late else "left",
+        va="top" if high else "bottom",
+        fontsize=7,
+        color=LIMIT_COLOUR,
+        bbox={"facecolor": "white", "alpha": 0.8, "lw": 0, "pad": 0.8},
+    )
