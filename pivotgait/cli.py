@@ -25,6 +25,12 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on std
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of the random generator.")]
 Gait = Annotated[str | None, typer.Option(help="Which of the scene's gaits; else the first.")]
+Hand = Annotated[
+    bool,
+    typer.Option(
+        "--hand/--no-hand", help="Plan the arm-hand too, or the tool's motion and forces alone."
+    ),
+]
 SceneArgument = Annotated[str, typer.Argument(help="A built-in scene's name or a YAML file.")]
 
 
@@ -36,6 +42,7 @@ def plan(
     ),
     seed: Seed = 0,
     gait: Gait = None,
+    hand: Hand = True,
     json: Json = False,
     debug: Debug = False,
 ) -> int:
@@ -46,7 +53,7 @@ def plan(
     from pivotgait.commands.output import Output
     from pivotgait.commands.planning import run_plan
 
-    return run_plan(scene, output, seed, gait, Output(json))
+    return run_plan(scene, output, seed, gait, Output(json), hand=hand)
 
 
 @app.command()
@@ -71,6 +78,7 @@ def run(
     out: Annotated[Path, typer.Option("--out", help="Folder for plan, figures and report.")],
     seed: Seed = 0,
     gait: Gait = None,
+    hand: Hand = True,
     view: Annotated[bool, typer.Option("--view/--no-view", help="Write view.html too.")] = True,
     json: Json = False,
     debug: Debug = False,
@@ -82,7 +90,7 @@ def run(
     from pivotgait.commands.output import Output
     from pivotgait.commands.planning import run_all
 
-    return run_all(scene, out, seed, gait, Output(json), view=view)
+    return run_all(scene, out, seed, gait, Output(json), hand=hand, view=view)
 
 
 @app.command()

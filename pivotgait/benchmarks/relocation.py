@@ -15,7 +15,7 @@ from pivotgait.frozen import Array
 from pivotgait.kinematics import ClosedChain, Hold, project
 from pivotgait.models import attitude, load_scene
 from pivotgait.planning.collision import CollisionWorld
-from pivotgait.planning.manifold import Manifold
+from pivotgait.planning.manifold import TOLERANCE, Manifold
 from pivotgait.planning.problem import RelocationOptions, RelocationProblem
 from pivotgait.planning.relocation import plan_relocation
 from pivotgait.planning.retreat import retreat
@@ -150,7 +150,9 @@ def relocation_rows(quick: bool = False) -> list[dict[str, Any]]:
                 peer = [task.ompl(planner, seed) for seed in seeds]
             except ImportError:
                 peer = []
-            rows.append(_row(f"relocation search: {name}", ours, f"OMPL constrained {planner}", peer))
+            rows.append(
+                _row(f"relocation search: {name}", ours, f"OMPL constrained {planner}", peer)
+            )
     rows.append(_share(list(problems.values()), len(seeds)))
     return rows
 
@@ -165,11 +167,12 @@ class Task:
         ends = []
         for q, s, normal in (
             (problem.start, 0.0, problem.start_normal),
-            (problem.goal, 1.0, problem.goal_normal),
+            (problem.goal, problem.s_goal, problem.goal_normal),
         ):
             way = retreat(problem, self.manifold, self.validity, q, s, normal)
-            assert way is not None
-            ends.append((way[-1], s))
+            end = None if way is None else self.manifold.settle(way[-1], s, TOLERANCE)
+            assert end is not None
+            ends.append((end, s))
         self.ends = ends[0], ends[1]
 
     def ours(self, seed: int) -> float:
@@ -186,8 +189,8 @@ class Task:
         """
         from ompl import base, geometric, util
 
-        util.RNG.setSeed(seed + 1)
-        util.setLogLevel(util.LogLevel.LOG_ERROR)
+        util.setLogLevel(util.LogLevel.LOG_NONE)
+        util.RNG.setSeed(seed + 1)  # of no effect after its first use
         robot, chain, pose = self.manifold.robot, self.manifold.chain, self.problem.tool.pose(0.0)
         lengths = chain.row_lengths()
 

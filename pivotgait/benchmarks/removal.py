@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from pivotgait.exceptions import PivotGaitError
-from pivotgait.models import AdditionPhase, LiftPhase, Scene, load_scene
+from pivotgait.models import AdditionPhase, LiftPhase, RelocationPhase, Scene, load_scene
 from pivotgait.phases.addition import AdditionOptions, plan_addition
 from pivotgait.phases.grasp import Grasp, Setting
 from pivotgait.phases.lift import LiftOptions, plan_lift
@@ -32,7 +32,8 @@ FRICTION_SCALES = (1.0, 0.85)
 def held_grasp(scene: Scene) -> tuple[Setting, Grasp]:
     """A scene's tool after its lift and first addition, held by three fingers."""
     setting = Setting.of(scene)
-    lift, addition, *_ = next(iter(scene.gaits.values()))
+    configs = next(iter(scene.gaits.values()))
+    lift, addition, *_ = (each for each in configs if not isinstance(each, RelocationPhase))
     assert isinstance(lift, LiftPhase)
     assert isinstance(addition, AdditionPhase)
     touching = {scene.contacts[name].finger: scene.contacts[name] for name in lift.contacts}

@@ -12,9 +12,11 @@ Along a step the tool turns steadily, hence q_{k+1} - q_k = h v_k + h^2 b / 2 wi
 acceleration at steady turning, and a_k = b + Q' s_k. The trapezoid rule is then off by
 h^2 |Q' s| / 2, also where s is constant, and |Q' s| <= |a| + |b|; b is not stored, but no larger
 than the accelerations it is part of: in such a phase h^2 max |a| over the phase is allowed on top.
-The speeds obey Euler's rule v_{k+1} - v_k = h a_k + O(h^2), whose distance from the trapezoid rule
-is h |da| / 2; the O(h^2) is the change of Q' along the step, itself a change of a, and doubles the
-allowance. Position errors of holding fingers that hide below these are seen at their contacts.
+The speeds obey Euler's rule v_{k+1} - v_k = h a_k + h^2 (dQ'/dt) s_k + ..., whose distance from the
+trapezoid rule is h |da| / 2 and twice the second term. That term is part of da as well, but may
+cancel against the change of s there; it does not all along the phase, so that h max |da| over the
+phase is allowed. What hides below these in the motion of holding fingers is seen at their contacts,
+whose positions, speeds and accelerations are checked by themselves.
 """
 
 from __future__ import annotations
@@ -41,7 +43,7 @@ def check_joint_sampling(
     step_allowed, rate_allowed = h**2 * jump / 8.0, 0.5 * h * jump
     if is_forward_euler(phase):
         step_allowed = step_allowed + h**2 * np.max(np.abs(a), axis=0)
-        rate_allowed = 2.0 * rate_allowed
+        rate_allowed = rate_allowed + h * np.max(jump, axis=0)
     step_error = np.abs(np.diff(q, axis=0) - 0.5 * h * (v[:-1] + v[1:]))
     rate_error = np.abs(np.diff(v, axis=0) - 0.5 * h * (a[:-1] + a[1:]))
     step_excess = np.maximum(step_error - step_allowed * _ROUNDING, 0.0)

@@ -27,6 +27,7 @@ PACKAGES = (
     "scipy",
     "matplotlib",
     "h5py",
+    "viser",
 )
 
 
@@ -113,6 +114,13 @@ def _clarabel_in_cvxpy() -> bool:
     return "CLARABEL" in cvxpy.installed_solvers()
 
 
+def _viser() -> bool:
+    from pivotgait.viewing import quiet_server
+
+    with quiet_server() as server:
+        return bool(server.get_port() > 0)
+
+
 PROBES: dict[str, Callable[[], bool]] = {
     "built-in scenes load": _scenes_load,
     "Pinocchio reads a tool": _pinocchio,
@@ -120,4 +128,5 @@ PROBES: dict[str, Callable[[], bool]] = {
     "ProxQP solves a small problem": _proxqp,
     "CasADi carries FATROP and IPOPT": _solvers_of_casadi,
     "CVXPY finds Clarabel": _clarabel_in_cvxpy,
+    "viser opens a local server": _viser,
 }

@@ -16,7 +16,7 @@ from pivotgait.atomic import write_atomically
 from pivotgait.certification import Certificate, certify
 from pivotgait.commands.output import Output, verdict
 from pivotgait.exceptions import InputError
-from pivotgait.gaits import PhaseDone, plan_gait
+from pivotgait.gaits import PhaseDone, PosturesFound, plan_gait
 from pivotgait.margins import SHARE_KINDS, largest_share, phase_margins, smallest_of_phase
 from pivotgait.models import load_scene
 from pivotgait.plans import GaitPlan, read_plan, write_plan
@@ -31,18 +31,23 @@ class Planned:
     summary: dict[str, Any]
 
 
-def run_plan(scene: str, path: Path, seed: int, gait: str | None, out: Output) -> int:
+def run_plan(
+    scene: str, path: Path, seed: int, gait: str | None, out: Output, *, hand: bool = True
+) -> int:
     """Plan, certify and write; returns the exit code."""
-    planned = make_plan(scene, path, seed, gait, out)
+    planned = make_plan(scene, path, seed, gait, out, hand=hand)
     show_phases(planned, out)
     out.emit(planned.summary)
     return 0 if planned.certificate.valid else 1
 
 
-def make_plan(scene_name: str, path: Path, seed: int, gait: str | None, out: Output) -> Planned:
+def make_plan(
+    scene_name: str, path: Path, seed: int, gait: str | None, out: Output, *, hand: bool = True
+) -> Planned:
     """Plan a scene's gait, certify it and write the plan file.
 
-    A plan that misses a tolerance is written too, with a certificate that says so.
+    A plan that misses a tolerance is written too, with a certificate that says so. With ``hand``
+    the plan holds the motion of the scene's robot, if there is one, else the tool's alone.
 
     Raises:
         PivotGaitError: bad input, an infeasible phase, a failed solver.
@@ -50,25 +55,34 @@ def make_plan(scene_name: str, path: Path, seed: int, gait: str | None, out: Out
     writable(path)
     scene = load_scene(scene_name)
     phases: list[dict[str, Any]] = []
+    found: list[PosturesFound] = []
     count = len(scene.gaits.get(gait, ()) if gait else next(iter(scene.gaits.values())))
     with out.progress(f"planning {scene.name}", count) as bar:
 
-        def done(news: PhaseDone) -> None:
+        def tell(news: PhaseDone | PosturesFound) -> None:
+            if isinstance(news, PosturesFound):
+                found.append(news)
+                return
             phases.append(phase_summary(news))
-            bar.advance(bar.task_ids[0])
+            bar.update(bar.task_ids[0], completed=news.place + 1, total=news.count)
 
-        plan = plan_gait(scene, gait=gait, seed=seed, progress=done)
+        plan = plan_gait(scene, gait=gait, seed=seed, hand=hand, progress=tell)
     certificate = certify(plan)
     plan = replace(plan, certificate=certificate.as_json())
     write_plan(plan, path)
+    search_time = sum(each.search_time_s for each in found)
     summary = {
         "plan": str(path),
         "scene": scene.name,
         "seed": seed,
         "valid": certificate.valid,
+        "plan_time_s": sum(phase["plan_time_s"] for phase in phases) + search_time,
+        "motion_time_s": sum(phase["duration_s"] for phase in phases),
         "phases": phases,
         "certificate": certificate.as_json(),
     }
+    for each in found:
+        summary["postures"] = {"starts": each.starts, "search_time_s": each.search_time_s}
     if plan.robot:
         shares = (largest_share(plan, kind) for kind in SHARE_KINDS)
         summary["joints"] = {share.kind: share.as_json() for share in shares if share}
@@ -92,9 +106,9 @@ def phase_summary(news: PhaseDone) -> dict[str, Any]:
 
 
 def show_phases(planned: Planned, out: Output) -> None:
-    """Print the table of phases and the verdict."""
-    rows = []
-    for phase in planned.summary["phases"]:
+    """Print the table of phases, what planning took, and the verdict."""
+    summary, rows = planned.summary, []
+    for phase in summary["phases"]:
         margin = phase["min_friction_margin"]
         rows.append(
             (
@@ -116,7 +130,14 @@ def show_phases(planned: Planned, out: Output) -> None:
         ("turn", "right"),
         ("solver", "left"),
     ]
-    out.table(f"{planned.summary['scene']}: {planned.summary['plan']}", columns, rows)
+    out.table(f"{summary['scene']}: {summary['plan']}", columns, rows)
+    if "postures" in summary:
+        starts, spent = summary["postures"]["starts"], summary["postures"]["search_time_s"]
+        plural = "" if starts == 1 else "s"
+        out.say(f"postures: found after {starts} start{plural} in {spent:.1f} s")
+    out.say(
+        f"time: {summary['plan_time_s']:.1f} s planning, {summary['motion_time_s']:.1f} s motion"
+    )
     show_certificate(planned.certificate, out)
 
 
@@ -137,7 +158,7 @@ def show_certificate(certificate: Certificate, out: Output) -> None:
     rows = [
         (
             escape(each.phase),
-            escape(f"{each.what} {each.contact}"),
+            escape(f"{each.what} {each.contact or each.part}"),
             f"{each.value:.3e}",
             f"{each.limit:.1e}",
         )
@@ -163,7 +184,14 @@ def run_certify(path: Path, out: Output) -> int:
 
 
 def run_all(
-    scene: str, folder: Path, seed: int, gait: str | None, out: Output, *, view: bool = True
+    scene: str,
+    folder: Path,
+    seed: int,
+    gait: str | None,
+    out: Output,
+    *,
+    hand: bool = True,
+    view: bool = True,
 ) -> int:
     """Plan, certify, record the view (if told) and report into a folder; returns the exit code."""
     from pivotgait.reporting import report_from_folder
@@ -171,7 +199,7 @@ def run_all(
 
     made = _make_folder(folder)
     try:
-        planned = make_plan(scene, folder / "plan.h5", seed, gait, out)
+        planned = make_plan(scene, folder / "plan.h5", seed, gait, out, hand=hand)
     except BaseException:
         for each in made:  # only folders of our own, and only empty ones
             with suppress(OSError):

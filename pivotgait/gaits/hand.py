@@ -7,23 +7,24 @@ carried out from it: tracked within limits and without collision, relocations fo
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
 
-from pivotgait.exceptions import InfeasibleError, SceneError
+from pivotgait.exceptions import InfeasibleError
 from pivotgait.frozen import Array
+from pivotgait.gaits.itinerary import Itinerary, contacts_left
 from pivotgait.gaits.steps import Step
 from pivotgait.kinematics import Hold
-from pivotgait.models import AdditionPhase, HandleContact, LiftPhase, RelocationPhase, Robot, Scene
+from pivotgait.models import HandleContact, RelocationPhase, Robot
 from pivotgait.phases.grasp import Setting
 from pivotgait.phases.relocation import relocation_phase
-from pivotgait.phases.tracking import JointMotion, track, with_torques
+from pivotgait.phases.tracking import JointMotion, Untracked, Waypoints, track, with_torques
 from pivotgait.planning.collision import CollisionWorld
-from pivotgait.planning.key_posture import KeyPose
-from pivotgait.planning.posture_search import PostureOptions, Postures, PostureSearch, SearchRecord
+from pivotgait.planning.posture_chain import PostureChain, Postures, Refused
+from pivotgait.planning.posture_search import PostureOptions, PostureSearch, SearchRecord
 from pivotgait.planning.problem import RelocationOptions, RelocationProblem
 from pivotgait.planning.relocation import plan_relocation
 from pivotgait.planning.tool_path import PivotingTool
@@ -37,10 +38,12 @@ class HandOptions:
     Attributes:
         postures: of the search for postures.
         relocation: of the searches for paths; the scene gives their sampling time.
+        refinements: most key poses added where a candidate is blocked.
     """
 
     postures: PostureOptions = field(default_factory=PostureOptions)
     relocation: RelocationOptions = field(default_factory=RelocationOptions)
+    refinements: int = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,16 +53,29 @@ class HandGait:
     Attributes:
         phases: with robot motion, in order.
         plan_time_s: time spent on each phase's hand, without the search for postures.
-        postures: that the gait goes through.
         search_time_s: time spent on postures and on candidates that failed.
         record: of the search.
     """
 
     phases: tuple[Phase, ...]
     plan_time_s: tuple[float, ...]
-    postures: Postures
     search_time_s: float
     record: SearchRecord
+
+
+class Blocked(InfeasibleError):
+    """A tracked phase cannot be carried out at a sample between its stops.
+
+    Args:
+        place: of the step.
+        sample: of its phase.
+        q: (nv,) configuration there, as far as it came.
+        what: is wrong.
+    """
+
+    def __init__(self, place: int, sample: int, q: Array, what: str) -> None:
+        self.place, self.sample, self.q = place, sample, q
+        super().__init__(what)
 
 
 class HandPlanner:
@@ -87,8 +103,8 @@ class HandPlanner:
         self._setting, self._robot, self._steps, self._rng = setting, robot, tuple(steps), rng
         self.options = options or HandOptions()
         self.world = CollisionWorld(robot, scene.tool, scene.table.height, scene.clearance)
-        self.keys, self._spans = _key_poses(setting, self._steps)
-        self._left = dict(_contacts_left(scene, self._steps))
+        self.itinerary = Itinerary.of(scene, self._steps)
+        self._left = dict(contacts_left(scene, self._steps))
 
     def plan(self) -> HandGait:
         """Carry the gait out from the first posture from which it can be.
@@ -96,71 +112,130 @@ class HandPlanner:
         Raises:
             InfeasibleError: naming what bound most often.
         """
-        began = perf_counter()
-        search = PostureSearch(self._robot, self.world, self.keys, self._rng, self.options.postures)
+        began, keys = perf_counter(), self.itinerary.keys
+        search = PostureSearch(self._robot, self.world, keys, self._rng, self.options.postures)
         for postures in search.candidates():
-            carried = self._carry_out(postures)
+            carried = self._refined(postures)
             if isinstance(carried, str):
                 search.record.failures[carried] += 1
                 continue
             phases, times = carried
             spent = perf_counter() - began - sum(times)
-            return HandGait(tuple(phases), tuple(times), postures, spent, search.record)
+            return HandGait(phases, times, spent, search.record)
         raise search.record.infeasible("the hand's gait")
 
-    def _carry_out(self, postures: Postures) -> tuple[list[Phase], list[float]] | str:
-        """The phases with robot motion, or the reason why a phase cannot be done."""
-        phases, times = [], []
+    def _refined(self, postures: Postures) -> tuple[tuple[Phase, ...], tuple[float, ...]] | str:
+        """Carry the gait out; where it is blocked between key poses, seek a posture there too."""
+        itinerary, options = self.itinerary, self.options.postures
+        for _ in range(self.options.refinements + 1):
+            try:
+                return self._carry_out(itinerary, postures)
+            except Blocked as blocked:
+                reason, step = f"{self._steps[blocked.place].name}: {blocked.what}", blocked.place
+                if any(stop.sample == blocked.sample for stop in itinerary.stops[step]):
+                    return reason
+                itinerary, new = itinerary.with_stop(self._steps, step, blocked.sample)
+                chain = PostureChain(
+                    self._robot, self.world, itinerary.keys, options.singular_value_min
+                )
+                start = np.insert(postures.q, new, blocked.q, axis=0)
+                settled = chain.settle(start, options.rounds[-1])
+                if isinstance(settled, Refused):
+                    return f"{reason}; {settled.reason}"
+                postures = settled
+            except InfeasibleError as error:
+                return " ".join((error.where + ":" if error.where else "", error.what)).strip()
+        return reason
+
+    def _carry_out(
+        self, itinerary: Itinerary, postures: Postures
+    ) -> tuple[tuple[Phase, ...], tuple[float, ...]]:
+        """The phases with robot motion, and the time each took.
+
+        Raises:
+            Blocked: a tracked phase breaks a limit or collides between its stops.
+            InfeasibleError: a phase cannot be done otherwise.
+        """
         # Relocations last: they take longest and are rarely what fails.
         order = sorted(range(len(self._steps)), key=lambda k: self._steps[k].phase is None)
-        done: dict[int, Phase] = {}
-        spent: dict[int, float] = {}
+        done: dict[int, tuple[Phase, float]] = {}
         for k in order:
-            began, step = perf_counter(), self._steps[k]
-            through = postures.q[slice(*self._spans[k])]
-            try:
-                phase = (
-                    self._relocate(step, through, postures)
-                    if step.phase is None
-                    else self._track(step, step.phase, through, postures)
-                )
-            except InfeasibleError as error:
-                return f"{step.name}: {error.what}"
-            done[k], spent[k] = phase, perf_counter() - began
-        phases = [done[k] for k in range(len(self._steps))]
-        times = [spent[k] for k in range(len(self._steps))]
+            began, step, stops = perf_counter(), self._steps[k], itinerary.stops[k]
+            q = postures.q[[stop.key for stop in stops]]
+            if step.phase is None:
+                phase = self._relocate(step, q[0], q[-1], postures)
+            else:
+                through = Waypoints(np.array([stop.sample for stop in stops]), q)
+                phase = self._track(k, step.phase, through, postures)
+            done[k] = phase, perf_counter() - began
+        phases, times = zip(*(done[k] for k in range(len(self._steps))), strict=True)
         return phases, times
 
-    def _track(self, step: Step, phase: Phase, through: Array, postures: Postures) -> Phase:
+    def _track(self, place: int, phase: Phase, through: Waypoints, postures: Postures) -> Phase:
+        step = self._steps[place]
         touching = {**step.before.fingers, **step.after.fingers}
         holds = _holds(postures, touching.values())
-        motion = track(self._robot, holds, phase.time, phase.tool, through)
-        self._check(motion, phase, frozenset(touching))
+        try:
+            motion = track(self._robot, holds, phase.time, phase.tool, through)
+        except Untracked as error:
+            raise Blocked(place, error.sample, error.q, error.what) from error
+        self._check_limits(place, motion)
+        self._check_clearance(place, motion, phase, frozenset(touching))
         return replace(phase, robot=self._with_torques(motion, phase))
 
-    def _relocate(self, step: Step, through: Array, postures: Postures) -> Phase:
+    def _check_limits(self, place: int, motion: JointMotion) -> None:
+        robot = self._robot
+        beyond = np.maximum(robot.lower - motion.q, motion.q - robot.upper)
+        for i, k in robot.couplings:
+            beyond[:, i] = np.maximum(beyond[:, i], motion.q[:, i] - motion.q[:, k])
+        if beyond.max() > 0.0:
+            sample, joint = divmod(int(np.argmax(beyond)), robot.nv)
+            what = f"leaves the limit of {robot.joint_names[joint]}"
+            raise Blocked(place, sample, motion.q[sample], what)
+        share = np.abs(motion.v) / robot.velocity_max
+        if share.max() > 1.0:
+            joint = int(np.argmax(share.max(axis=0)))
+            raise InfeasibleError(
+                f"is too fast for {robot.joint_names[joint]}", where=self._steps[place].name
+            )
+
+    def _check_clearance(
+        self, place: int, motion: JointMotion, phase: Phase, touching: frozenset[str]
+    ) -> None:
+        """At every sample; a phase moves any shape by less than a millimetre between two."""
+        world, turn = self.world.holding(touching), phase.tool.rotation.as_matrix()
+        position = phase.tool.position
+        if np.all(motion.q == motion.q[0]):
+            return  # at a key pose, where it was checked
+        if all(world.free(q, R, o) for q, R, o in zip(motion.q, turn, position, strict=True)):
+            return
+        found = [world.clearance(q, R, o) for q, R, o in zip(motion.q, turn, position, strict=True)]
+        sample = int(np.argmin([distance for distance, _ in found]))
+        what = "collision: " + " - ".join(found[sample][1])
+        raise Blocked(place, sample, motion.q[sample], what)
+
+    def _relocate(self, step: Step, start: Array, goal: Array, postures: Postures) -> Phase:
         scene, config, grasp = self._setting.scene, step.config, step.before
         assert isinstance(config, RelocationPhase)
-        goal = scene.contacts[config.contact]
-        left = self._left.get(step.name)
-        rotation = grasp.rotation.as_matrix()
+        contact, left = scene.contacts[config.contact], self._left.get(step.name)
+        place = scene.centre_of_mass(grasp.rotation)
         problem = RelocationProblem(
             robot=self._robot,
             world=self.world,
             holds=tuple(_holds(postures, grasp.fingers.values())),
-            finger=goal.finger,
-            start=through[0],
-            goal=through[-1],
-            tool=PivotingTool.resting(rotation, scene.centre_of_mass(grasp.rotation)),
+            finger=contact.finger,
+            start=start,
+            goal=goal,
+            tool=PivotingTool.resting(grasp.rotation.as_matrix(), place),
             start_normal=None if left is None else left.normal,
-            goal_normal=goal.normal,
+            goal_normal=contact.normal,
             options=replace(self.options.relocation, sample_s=config.sample_s),
         )
         result = plan_relocation(problem, self._rng)
         if result.trajectory is None:
-            raise InfeasibleError(result.failure)
+            raise InfeasibleError(result.failure, where=step.name)
         path = result.trajectory
-        phase = relocation_phase(self._setting, grasp, goal.finger, path.time, name=step.name)
+        phase = relocation_phase(self._setting, grasp, contact.finger, path.time, name=step.name)
         motion = self._with_torques(JointMotion(path.q, path.v, path.a), phase)
         record = {
             "solver": "RRT",
@@ -170,29 +245,6 @@ class HandPlanner:
             "length_m": result.length,
         }
         return replace(phase, robot=motion, record=record)
-
-    def _check(self, motion: JointMotion, phase: Phase, touching: frozenset[str]) -> None:
-        """Limits, speeds and clearance at every sample.
-
-        Raises:
-            InfeasibleError: naming what is broken.
-        """
-        robot = self._robot
-        if not robot.within_limits(motion.q):
-            beyond = np.maximum(robot.lower - motion.q, motion.q - robot.upper).max(axis=0)
-            worst = int(np.argmax(beyond))
-            name = robot.joint_names[worst] if beyond[worst] > 0.0 else "a coupling"
-            raise InfeasibleError(f"leaves the limit of {name}")
-        share = np.abs(motion.v) / robot.velocity_max
-        if share.max(initial=0.0) > 1.0:
-            worst = int(np.argmax(share.max(axis=0)))
-            raise InfeasibleError(f"is too fast for {robot.joint_names[worst]}")
-        world, turn = self.world.holding(touching), phase.tool.rotation.as_matrix()
-        moves = np.any(motion.q[1:] != motion.q[0])
-        for k in range(len(motion.q) if moves else 1):
-            if not world.free(motion.q[k], turn[k], phase.tool.position[k]):
-                pair = world.clearance(motion.q[k], turn[k], phase.tool.position[k])[1]
-                raise InfeasibleError(f"collision of {pair[0]} and {pair[1]}")
 
     def _with_torques(self, motion: JointMotion, phase: Phase) -> RobotMotion:
         """With joint torques.
@@ -211,60 +263,3 @@ class HandPlanner:
 
 def _holds(postures: Postures, contacts: Iterable[HandleContact]) -> list[Hold]:
     return [postures.holds[contact.finger, contact.name] for contact in contacts]
-
-
-def _key_poses(
-    setting: Setting, steps: Sequence[Step]
-) -> tuple[tuple[KeyPose, ...], tuple[tuple[int, int], ...]]:
-    """The moments at which postures are sought, and for each step the range of those it spans."""
-    keys: list[KeyPose] = []
-    spans: list[tuple[int, int]] = []
-    scene = setting.scene
-    for step in steps:
-        first, config = max(len(keys) - 1, 0), step.config
-        if isinstance(config, RelocationPhase):
-            goal = scene.contacts[config.contact]
-            rotation = step.before.rotation
-            place = scene.centre_of_mass(rotation)
-            fingers = {**step.before.fingers, goal.finger: goal}
-            keys.append(KeyPose(f"end of {step.name}", rotation.as_matrix(), place, fingers))
-        elif isinstance(config, AdditionPhase):
-            finger = scene.contacts[config.contact].finger
-            if keys[-1].contacts.get(finger) != scene.contacts[config.contact]:
-                raise SceneError(
-                    f"nothing brings finger {finger!r} to {config.contact!r}",
-                    where=step.name,
-                    mend="put a relocation before the addition",
-                )
-            first = len(keys) - 1
-        else:
-            keys += _moving_keys(step)
-        spans.append((first, len(keys)))
-    return tuple(keys), tuple(spans)
-
-
-def _moving_keys(step: Step) -> list[KeyPose]:
-    """Middle and end of a phase in which the tool moves; its start too, if it is the first."""
-    phase = step.phase
-    assert phase is not None
-    last = len(phase.time) - 1
-    moments = [(last // 2, "middle"), (last, "end")]
-    if isinstance(step.config, LiftPhase):
-        moments.insert(0, (0, "start"))
-    turn = phase.tool.rotation.as_matrix()
-    return [
-        KeyPose(f"{word} of {step.name}", turn[k], phase.tool.position[k], step.before.fingers)
-        for k, word in moments
-    ]
-
-
-def _contacts_left(scene: Scene, steps: Sequence[Step]) -> Iterator[tuple[str, HandleContact]]:
-    """Name of each relocation whose finger still is at a contact -> that contact."""
-    at: dict[str, HandleContact] = {}
-    for step in steps:
-        at.update(step.before.fingers)
-        if isinstance(step.config, RelocationPhase):
-            goal = scene.contacts[step.config.contact]
-            if goal.finger in at:
-                yield step.name, at[goal.finger]
-            at[goal.finger] = goal

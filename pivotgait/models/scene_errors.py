@@ -67,7 +67,7 @@ def _explain(finding: ErrorDetails, model: type[BaseModel]) -> tuple[str, str]:
     if kind == "union_tag_invalid":
         return f"unknown kind {context['tag']!r}", f"use {context['expected_tags']}"
     if kind == "union_tag_not_found":
-        return "has no 'kind'", "add kind: lift, addition or removal"
+        return "has no 'kind'", "add kind: lift, relocation, addition or removal"
     if kind == "string_pattern_mismatch":
         return f"{given} is not a name", "use letters, digits, _ and -, a letter first"
     if kind in _NOUNS:
@@ -109,9 +109,7 @@ class _Place:
     """A place in the tree of models, followed along a pydantic location."""
 
     def __init__(self, annotation: Any, *, is_tag: bool = False) -> None:
-        while get_origin(annotation) is Annotated:
-            annotation = get_args(annotation)[0]
-        self.annotation, self.is_tag = annotation, is_tag
+        self.annotation, self.is_tag = _bare(annotation), is_tag
 
     def enter(self, part: int | str) -> _Place:
         origin, arguments = get_origin(self.annotation), get_args(self.annotation)
@@ -127,6 +125,19 @@ class _Place:
                 if part in (name, field.alias):
                     return _Place(field.annotation)
         return _Place(None)
+
+
+def _bare(annotation: Any) -> Any:
+    """Without ``Annotated`` and without the ``None`` of an optional part."""
+    while True:
+        arguments = get_args(annotation)
+        if get_origin(annotation) in (Union, types.UnionType):
+            arguments = tuple(each for each in arguments if each is not types.NoneType)
+            if len(arguments) > 1:
+                return annotation
+        elif get_origin(annotation) is not Annotated:
+            return annotation
+        annotation = arguments[0]
 
 
 def _tags(model: type[BaseModel]) -> Iterator[Any]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from scipy.interpolate import make_interp_spline
+from scipy.interpolate import CubicSpline, make_interp_spline
 
 from pivotgait.exceptions import InfeasibleError
 from pivotgait.frozen import Array, FrozenArrays
@@ -18,7 +19,6 @@ from pivotgait.plans import ContactTrack, RobotMotion, ToolMotion
 
 _TIGHT_M = 1e-11
 """Of the projection: a millionth of the tolerance of contacts (1e-5 m)."""
-_ORDERS_AT_REST = (1, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,71 +30,102 @@ class JointMotion(FrozenArrays):
     a: Array
 
 
+class Untracked(InfeasibleError):
+    """The chain cannot be closed at ``sample``; ``q`` is how far Newton's method came."""
+
+    def __init__(self, sample: int, q: Array, time_s: float) -> None:
+        self.sample, self.q = sample, q
+        what = f"the fingertips cannot follow the tool at {time_s:.2f} s"
+        super().__init__(what, mend="move the contacts or slow the phase")
+
+
+@dataclass(frozen=True, eq=False)
+class Waypoints(FrozenArrays):
+    """Postures that a phase goes through.
+
+    Attributes:
+        samples: (M,) increasing places among the phase's samples, the first and the last among
+            them; one alone for a phase in which nothing moves.
+        q: (M, nv), on eq. (9) there.
+    """
+
+    samples: Array
+    q: Array
+
+
 def track(
-    robot: Robot, holds: Sequence[Hold], time: Array, tool: ToolMotion, through: Array
+    robot: Robot, holds: Sequence[Hold], time: Array, tool: ToolMotion, through: Waypoints
 ) -> JointMotion:
     """Follow the tool with the holding fingertips, by way of given postures.
 
-    The redundancy is led by the polynomial in the path fraction (quintic in time) through the
-    given postures, which start, halve and end the phase; each sample is the nearest
-    configuration on eq. (9) that Newton's method finds from there. Velocities and accelerations
-    are those of the quintic spline through the samples, corrected by least norm so that
-    A v = b and A a = db/dt - dA/dt v hold at each sample.
+    The redundancy is led by the cubic spline in the path fraction (quintic in time) through the
+    waypoints; each sample is the configuration on eq. (9) that Newton's method with steps of
+    least norm finds from there. Velocities are those of the spline through the samples, corrected
+    by least norm so that A v = b; accelerations those of the spline through the velocities,
+    corrected so that A a = db/dt - dA/dt v.
 
     Args:
         robot: the arm-hand.
         holds: of every finger that touches the tool.
         time: (N,) from the phase's start [s].
         tool: N samples, at rest at both ends.
-        through: (1 + M, nv) postures at equal fractions of the way, on eq. (9); one for a phase
-            in which nothing moves.
+        through: postures on the way.
 
     Raises:
-        InfeasibleError: the chain cannot be closed at some sample.
+        Untracked: the chain cannot be closed at some sample.
     """
     count = len(time)
-    if len(through) == 1:
+    if len(through.q) == 1:
         still = np.zeros((count, robot.nv))
-        return JointMotion(np.repeat(through, count, axis=0), still, still)
+        return JointMotion(np.repeat(through.q, count, axis=0), still, still)
     fraction, _, _ = quintic(time - time[0], float(time[-1] - time[0]))
-    led = _polynomial(through, fraction)
+    led = _led(through, fraction)
     chain, turn = ClosedChain(robot, holds), tool.rotation.as_matrix()
     q = np.empty((count, robot.nv))
     for k in range(count):
         end = project(chain, led[k], turn[k], tool.position[k], tolerance=_TIGHT_M)
         if not end.converged:
-            raise InfeasibleError(
-                f"the fingertips cannot follow the tool at {time[k]:.2f} s",
-                mend="move the contacts or slow the phase",
-            )
+            raise Untracked(k, end.q, float(time[k]))
         q[k] = end.q
     return _on_the_chain(chain, time, tool, q)
 
 
-def _polynomial(through: Array, fraction: Array) -> Array:
-    """(N, nv) values of the polynomial through postures at equal parts of [0, 1]."""
-    nodes = np.linspace(0.0, 1.0, len(through))
-    weights = np.ones((len(fraction), len(nodes)))
-    for i, node in enumerate(nodes):
-        for other in np.delete(nodes, i):
-            weights[:, i] *= (fraction - other) / (node - other)
-    return np.asarray(weights @ through)
+def _led(through: Waypoints, fraction: Array) -> Array:
+    """(N, nv) spline through the waypoints."""
+    spline = CubicSpline(fraction[through.samples.astype(int)], through.q)
+    return np.asarray(spline(fraction))
 
 
 def _on_the_chain(chain: ClosedChain, time: Array, tool: ToolMotion, q: Array) -> JointMotion:
-    at_rest = [(order, np.zeros(q.shape[1])) for order in _ORDERS_AT_REST]
-    spline = make_interp_spline(time, q, k=5, bc_type=(at_rest, at_rest))
-    smooth_v, smooth_a = spline.derivative(1)(time), spline.derivative(2)(time)
     turn, v, a = tool.rotation.as_matrix(), np.empty_like(q), np.empty_like(q)
+    wanted = _derivative(time, q, orders_at_rest=(1, 2))
     for k in range(len(time)):
         chain.update(q[k], turn[k], tool.position[k])
-        linear, angular = tool.linear_velocity[k], tool.angular_velocity[k]
-        v[k] = resolve(chain, chain.target_rate(linear, angular), smooth_v[k])
+        rate = chain.target_rate(tool.linear_velocity[k], tool.angular_velocity[k])
+        v[k] = resolve(chain, rate, wanted[k])
+    # From the corrected speeds, not from q again: a removal's samples obey Euler's rule, so that
+    # the corrections are not small and change with the posture.
+    wanted = _derivative(time, v, orders_at_rest=(1,))
+    for k in range(len(time)):
+        chain.update(q[k], turn[k], tool.position[k])
         bias = chain.bias(
-            v[k], linear, angular, tool.linear_acceleration[k], tool.angular_acceleration[k]
+            v[k],
+            tool.linear_velocity[k],
+            tool.angular_velocity[k],
+            tool.linear_acceleration[k],
+            tool.angular_acceleration[k],
         )
-        a[k] = resolve(chain, bias, smooth_a[k])
+        a[k] = resolve(chain, bias, wanted[k])
     return JointMotion(q, v, a)
+
+
+def _derivative(time: Array, samples: Array, *, orders_at_rest: tuple[int, ...]) -> Array:
+    """(N, nv) of the spline through samples; its derivatives of these orders vanish at its ends."""
+    zero = np.zeros(samples.shape[1])
+    ends: Any = [(order, zero) for order in orders_at_rest]
+    degree = 2 * len(orders_at_rest) + 1
+    spline = make_interp_spline(time, samples, k=degree, bc_type=(ends, ends))
+    return np.asarray(spline.derivative()(time))
 
 
 def with_torques(

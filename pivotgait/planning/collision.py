@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Set as AbstractSet
+from functools import cached_property
 from math import isfinite
 from typing import Any
 
@@ -14,6 +15,7 @@ from pivotgait.frozen import Array
 from pivotgait.models.robot import Robot
 from pivotgait.models.tool import Tool
 from pivotgait.planning.bodies import Bodies, build_bodies, without_pairs
+from pivotgait.planning.reach import joint_reach, motion_bounds, tool_radius
 
 ROTATION_TOLERANCE = 1e-6
 """Largest entry of R^T R - I of a tool's orientation."""
@@ -94,6 +96,21 @@ class CollisionWorld:
             world._prepare(self.bodies, *key)
             self._worlds[key] = world
         return self._worlds[key]
+
+    @cached_property
+    def reach(self) -> Array:
+        """(nv,) :func:`~pivotgait.planning.reach.joint_reach` [m]."""
+        return joint_reach(self.robot, self.bodies)
+
+    @cached_property
+    def bounds(self) -> Array:
+        """(B, nv) :func:`~pivotgait.planning.reach.motion_bounds` [m]."""
+        return motion_bounds(self.robot, self.bodies)
+
+    @cached_property
+    def tool_radius(self) -> float:
+        """Distance of the tool's farthest point from its centre of mass [m]."""
+        return tool_radius(self.bodies)
 
     def free(self, q: Array, oRtool: Array, position: Array) -> bool:
         """Whether every distance is above clearance and padding.
@@ -188,7 +205,8 @@ class CollisionWorld:
 
     def _place(self, q: Array, oRtool: Array, position: Array) -> Array:
         """Configuration of the joined model."""
-        full, n = self._full, self.robot.nv
+        full: Array = self._full
+        n = self.robot.nv
         if q.shape != (n,):
             raise InputError(f"q has shape {q.shape}", mend=f"give ({n},)")
         full[:n] = q

@@ -12,10 +12,11 @@ from pivotgait.exceptions import SingularCoordinatesError
 from pivotgait.frozen import Array, frozen
 from pivotgait.kinematics import ClosedChain, project
 from pivotgait.planning.problem import RelocationProblem
-from pivotgait.planning.reach import joint_reach, motion_bounds, tool_radius
 
 TOLERANCE = 1e-9
-"""Of the holds' scaled residual [m]."""
+"""Of the holds' scaled residual in a smooth path [m]."""
+SEARCH_TOLERANCE = 1e-5
+"""The same in the search, whose padding covers far more and whose states are projected again."""
 LIMIT_RESERVE = 1e-3
 """Share of a joint's range that stays free at its ends, so that smoothing keeps the limits."""
 CLIPS = 4
@@ -56,13 +57,13 @@ class Manifold:
     """
 
     def __init__(self, problem: RelocationProblem) -> None:
-        robot, bodies = problem.robot, problem.world.bodies
+        robot, world = problem.robot, problem.world
         self.robot, self.tool = robot, problem.tool
         self.chain = ClosedChain(robot, problem.holds)
         self.counts = Counts()
-        self.metric = np.maximum(joint_reach(robot, bodies), MIN_REACH) ** 2
-        self._bounds = motion_bounds(robot, bodies)
-        self._tool_radius = tool_radius(bodies)
+        self.metric = np.maximum(world.reach, MIN_REACH) ** 2
+        self._bounds, self._change = world.bounds, np.zeros(robot.nv)
+        self._tool_radius = world.tool_radius
         self._tip = robot.fingers[problem.finger].tip_frame_id
         self._data = robot.model.createData()
         reserve = LIMIT_RESERVE * (robot.upper - robot.lower)
@@ -72,14 +73,25 @@ class Manifold:
 
     def motion(self, qa: Array, sa: float, qb: Array, sb: float) -> float:
         """Bound on the relative motion of any two shapes from one state to the other [m]."""
-        moved = float((self._bounds @ np.abs(qb - qa)).max())
+        np.subtract(qb, qa, out=self._change)
+        np.abs(self._change, out=self._change)
+        # Of six numbers, Python's max is several times as fast as NumPy's.
+        moved: float = max(self._bounds.dot(self._change).tolist())
         if not self.tool.moves or sa == sb:
             return moved
         (turn_a, at_a), (turn_b, at_b) = self.tool.pose(sa), self.tool.pose(sb)
         chord = float(np.linalg.norm(turn_b - turn_a)) / np.sqrt(2.0)
         return float(moved + np.linalg.norm(at_b - at_a) + chord * self._tool_radius)
 
-    def settle(self, q: Array, s: float) -> Array | None:
+    def motions(self, q: Array, s: Array) -> Array:
+        """(N - 1,) bounds on motion between neighbours among states q (N, nv), s (N,) [m]."""
+        if self.tool.moves:
+            steps = range(len(s) - 1)
+            each = [self.motion(q[k], float(s[k]), q[k + 1], float(s[k + 1])) for k in steps]
+            return np.array(each)
+        return np.asarray((np.abs(np.diff(q, axis=0)) @ self._bounds.T).max(axis=1, initial=0.0))
+
+    def settle(self, q: Array, s: float, tolerance: float = SEARCH_TOLERANCE) -> Array | None:
         """The nearest configuration that holds the tool and keeps the limits, None if none."""
         pose, stuck = self.tool.pose(s), frozenset[int]()
         q = self._clipped(q)
@@ -89,7 +101,7 @@ class Manifold:
                     self.chain,
                     q,
                     *pose,
-                    tolerance=TOLERANCE,
+                    tolerance=tolerance,
                     max_iterations=6,
                     weights=self.metric,
                     fixed=tuple(stuck),
@@ -129,6 +141,17 @@ class Manifold:
     def tip(self, q: Array, s: float) -> pin.SE3:
         """Pose of the moving fingertip in the tool frame."""
         return pin.SE3(*_fortran(self.tool.pose(s))).actInv(self.tip_in_world(q))
+
+    def hold_error(self, q: Array, s: float) -> float:
+        """Largest distance of a holding tip's centre from its place on the tool [m]."""
+        pin.forwardKinematics(self.robot.model, self._data, q)
+        turn, position = self.tool.pose(s)
+        errors = [0.0]
+        for hold in self.chain.holds:
+            frame = hold.finger.tip_frame_id
+            tip = pin.updateFramePlacement(self.robot.model, self._data, frame).translation
+            errors.append(float(np.linalg.norm(tip - position - turn.dot(hold.centre))))
+        return max(errors)
 
     def step(
         self,

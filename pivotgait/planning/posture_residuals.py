@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -34,6 +33,7 @@ class PostureWeights:
         pad: cosine by which a contact leaves the pad's cone.
         clearance: missing distance [m].
         clearance_wish: distance wished for beyond the clearance asked for [m].
+        idle_wish: the same for fingers that do not touch the tool: they have room.
         limit: share of a joint's range by which its limit's margin is entered.
         limit_margin: margin to joint limits, share of the range.
         coupling: joint angle by which a coupling is broken [rad].
@@ -49,10 +49,11 @@ class PostureWeights:
     pad: float = 0.05
     clearance: float = 1e-3
     clearance_wish: float = 1e-3
+    idle_wish: float = 6e-3
     limit: float = 0.1
-    limit_margin: float = 0.03
+    limit_margin: float = 0.04
     coupling: float = 0.2
-    coupling_margin: float = 0.02
+    coupling_margin: float = 0.04
     dexterity: float = 5e-4
     dexterity_wish: float = 3e-3
     home: float = 50.0
@@ -211,11 +212,21 @@ class PostureResiduals:
         world, key, weights = self._worlds[k], self.keys[k], self.weights
         if world is None:
             return np.zeros(0), np.zeros((0, self.robot.nv))
-        wanted = world.clearance_min + weights.clearance_wish
-        near: list[Any] = world.near(q, key.rotation, key.position, wanted)
-        missing = np.array([wanted - distance for distance, _ in near])
+        idle = [
+            column
+            for name, finger in self.robot.fingers.items()
+            if name not in key.contacts
+            for column in finger.columns
+        ]
+        wish = max(weights.clearance_wish, weights.idle_wish if idle else 0.0)
+        near = world.near(q, key.rotation, key.position, world.clearance_min + wish)
+        distance = np.array([each for each, _ in near])
         gradient = np.array([slope for _, slope in near]).reshape(len(near), self.robot.nv)
-        return missing / weights.clearance, -gradient / weights.clearance
+        free = np.any(gradient[:, idle] != 0.0, axis=1)
+        wanted = np.where(free, weights.idle_wish, weights.clearance_wish) + world.clearance_min
+        wanting = distance < wanted
+        missing = (wanted - distance)[wanting]
+        return missing / weights.clearance, -gradient[wanting] / weights.clearance
 
 
 def _skew(v: Array) -> Array:

@@ -74,7 +74,7 @@ class RelocationProblem(FrozenArrays):
         holds: of the fingers that hold the tool (eq. 9), at start and goal alike.
         finger: name of the one that moves.
         start: (nv,) joint positions at s = 0 of the tool's path.
-        goal: (nv,) joint positions at s = 1.
+        goal: (nv,) joint positions at s = 1 (anywhere if the tool rests).
         tool: the tool's path, at rest or moving.
         start_normal: (3,) inward normal of the contact the finger leaves, tool frame; None if it
             starts in the air.
@@ -113,6 +113,11 @@ class RelocationProblem(FrozenArrays):
             normal = getattr(self, name)
             if normal is not None and not abs(np.linalg.norm(normal) - 1.0) <= 1e-6:
                 raise InputError(f"{normal} is not a unit vector", where=name, mend="normalise it")
+
+    @property
+    def s_goal(self) -> float:
+        """Parameter of the tool's path at the goal: 1, or 0 all the time if the tool rests."""
+        return 1.0 if self.tool.moves else 0.0
 
     @property
     def holding(self) -> frozenset[str]:

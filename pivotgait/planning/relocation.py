@@ -17,10 +17,10 @@ from pivotgait.planning.problem import RelocationProblem
 from pivotgait.planning.retreat import retreat
 from pivotgait.planning.rrt import Search, search
 from pivotgait.planning.shortcut import path_length, shorten
-from pivotgait.planning.smoothing import smooth
+from pivotgait.planning.smoothing import SmoothPath, smooth
 from pivotgait.planning.time_scaling import time_path
 from pivotgait.planning.trajectory import JointTrajectory
-from pivotgait.planning.validity import Validity
+from pivotgait.planning.validity import Validity, coarse_to_fine
 
 HOLD_TOLERANCE = 1e-6
 """How far the holds may be off at start and goal [m]."""
@@ -118,7 +118,7 @@ class _Attempt:
         self.manifold = Manifold(problem)
         self.validity = Validity(problem, self.manifold)
         self.check_hold("start", problem.start, 0.0)
-        self.check_hold("goal", problem.goal, 1.0)
+        self.check_hold("goal", problem.goal, problem.s_goal)
         self.lap("set-up")
 
     def run(self) -> Relocation:
@@ -126,14 +126,14 @@ class _Attempt:
         sides = []
         for name, end, at, normal in (
             ("retreat", problem.start, 0.0, problem.start_normal),
-            ("approach", problem.goal, 1.0, problem.goal_normal),
+            ("approach", problem.goal, problem.s_goal, problem.goal_normal),
         ):
             way = retreat(problem, self.manifold, self.validity, end, at, normal)
             self.lap(name)
             if way is None:
                 return self.record(f"{name} along the normal: {self.binding()}")
             sides.append(way)
-        ends = (sides[0][-1], 0.0), (sides[1][-1], 1.0)
+        ends = (sides[0][-1], 0.0), (sides[1][-1], problem.s_goal)
         found = search(problem, self.manifold, self.validity, ends, self.rng)
         self.lap("search")
         if found.outcome != "found":
@@ -150,7 +150,8 @@ class _Attempt:
         )
         self.lap("shortcuts")
         q = np.concatenate((sides[0][:-1], q, sides[1][-2::-1]))
-        s = np.concatenate((np.zeros(len(sides[0]) - 1), s, np.ones(len(sides[1]) - 1)))
+        begin, end = (np.full(len(side) - 1, at) for side, (_, at) in zip(sides, ends, strict=True))
+        s = np.concatenate((begin, s, end))
         trajectory = self.timed(q, s)
         self.lap("timing")
         failure = "" if trajectory is not None else f"timing: {self.binding()}"
@@ -164,12 +165,19 @@ class _Attempt:
             q, s = np.concatenate((q, q)), np.concatenate((s, s))
         for spacing in SPACINGS:
             path = smooth(self.manifold, q, s, robot.velocity_max, spacing)
-            if path is None:
+            if path is None or not self.nodes_free(path):
                 continue
             trajectory = time_path(self.manifold, path, options.sample_s, shares)
             if trajectory is not None and self.is_free(trajectory):
                 return trajectory
         return None
+
+    def nodes_free(self, path: SmoothPath) -> bool:
+        """A quick look at a path before it is timed."""
+        q, s = path(path.nodes)
+        return all(
+            self.validity.free(q[k], float(s[k])) for k in coarse_to_fine(len(path.nodes) - 1)
+        )
 
     def is_free(self, trajectory: JointTrajectory) -> bool:
         """Whether samples and the ways between them keep the collision rule."""
@@ -210,7 +218,7 @@ class _Attempt:
     ) -> Relocation:
         """The record of success or failure."""
         problem, manifold = self.problem, self.manifold
-        gap = manifold.motion(problem.start, 0.0, problem.goal, 1.0)
+        gap = manifold.motion(problem.start, 0.0, problem.goal, problem.s_goal)
         return Relocation(
             found=trajectory is not None,
             failure=failure,
@@ -237,12 +245,14 @@ def check_ends(problem: RelocationProblem) -> None:
     robot, world = problem.robot, problem.world
     for name, q, s, normal in (
         ("start", problem.start, 0.0, problem.start_normal),
-        ("goal", problem.goal, 1.0, problem.goal_normal),
+        ("goal", problem.goal, problem.s_goal, problem.goal_normal),
     ):
         if not robot.within_limits(q, slack=1e-9):
             beyond = np.maximum(robot.lower - q, q - robot.upper)
-            joint = robot.joint_names[int(np.argmax(beyond))]
-            what = f"beyond a joint limit or coupling, the worst is {joint}"
+            for i, k in robot.couplings:
+                beyond[i] = max(beyond[i], q[i] - q[k])
+            worst = int(np.argmax(beyond))
+            what = f"{robot.joint_names[worst]} is {beyond[worst]:.4f} beyond a limit or coupling"
             raise InfeasibleError(what, where=name, mend="choose a posture within the limits")
         touching = problem.holding | ({problem.finger} if normal is not None else set())
         distance, pair = world.holding(touching).clearance(q, *problem.tool.pose(s))

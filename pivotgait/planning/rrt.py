@@ -91,7 +91,6 @@ class _Rrt:
         axis = rng.normal(size=3)
         axis *= rng.uniform(0.0, options.turn_limit) / np.linalg.norm(axis)
         middle = pin.SE3.Interpolate(self.tips[0], self.tips[1], rng.random()).rotation
-        # From 0 to 1 at a resting tool too, where it has no meaning but costs nothing.
         s = float(rng.uniform(self.ends[0][1], self.ends[1][1]))
         return pin.SE3(pin.exp3(axis) @ middle, rng.uniform(low, high)), s
 

@@ -11,11 +11,13 @@ from pivotgait.planning.validity import Validity
 
 LEAST_SAVING = 1e-3
 """Of a path's length that a shortcut must save, as a share of what it replaces."""
+MOST_VAIN = 15
+"""Attempts in a row without a saving after which a path counts as short."""
 
 
 def path_length(manifold: Manifold, q: Array, s: Array) -> float:
     """Sum of the bounds on motion along a path of states [m]."""
-    return float(sum(_lengths(manifold, q, s)))
+    return float(manifold.motions(q, s).sum())
 
 
 def shorten(
@@ -41,12 +43,15 @@ def shorten(
     Returns:
         q (M, nv) and s (M,).
     """
+    vain = 0
     for attempt in range(attempts):
-        lengths = _lengths(manifold, q, s)
-        at = np.concatenate(([0.0], np.cumsum(lengths)))
+        if vain >= MOST_VAIN:
+            break
+        at = np.concatenate(([0.0], np.cumsum(manifold.motions(q, s))))
         drawn = np.array([0.0, at[-1]]) if attempt == 0 else np.sort(rng.uniform(0, at[-1], 2))
         i = int(np.searchsorted(at, drawn[0], side="right")) - 1
         j = min(int(np.searchsorted(at, drawn[1])), len(s) - 1)
+        vain += 1
         if j - i < 2:
             continue
         begin, end = (q[i], float(s[i])), (q[j], float(s[j]))
@@ -60,10 +65,5 @@ def shorten(
         if path_length(manifold, new_q, new_s) < (1.0 - LEAST_SAVING) * (at[j] - at[i]):
             q = np.concatenate((q[:i], new_q, q[j + 1 :]))
             s = np.concatenate((s[:i], new_s, s[j + 1 :]))
+            vain = 0
     return q, s
-
-
-def _lengths(manifold: Manifold, q: Array, s: Array) -> list[float]:
-    return [
-        manifold.motion(q[k], float(s[k]), q[k + 1], float(s[k + 1])) for k in range(len(s) - 1)
-    ]

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from pivotgait.frozen import Array
-from pivotgait.planning.manifold import Manifold
+from pivotgait.planning.manifold import TOLERANCE, Manifold
 
 DEGREE = 3
 """Of the B-spline that rounds the corners."""
@@ -57,13 +57,11 @@ def smooth(
         The curve, or None if a node could not be projected.
     """
     steps = np.abs(np.diff(q, axis=0)) / speed_max
-    motion = [
-        manifold.motion(q[k], float(s[k]), q[k + 1], float(s[k + 1])) for k in range(len(s) - 1)
-    ]
+    motion = manifold.motions(q, s)
     # A joint's time, and a little of the motion, so that no piece has length 0.
-    at = np.concatenate(([0.0], np.cumsum(steps.max(axis=1) + 1e-3 * np.array(motion) + 1e-12)))
+    at = np.concatenate(([0.0], np.cumsum(steps.max(axis=1) + 1e-3 * motion + 1e-12)))
     at /= at[-1]
-    count = max(int(np.ceil(sum(motion) / spacing)) + 1, 2 * DEGREE)
+    count = max(int(np.ceil(motion.sum() / spacing)) + 1, 2 * DEGREE)
     states = np.column_stack((q, s))
     grid = np.linspace(0.0, 1.0, count)
     control = np.column_stack([np.interp(grid, at, column) for column in states.T])
@@ -74,7 +72,7 @@ def smooth(
     values = np.asarray(rounded(nodes))
     values[0], values[-1] = states[0], states[-1]
     for k in range(1, len(values) - 1):
-        settled = manifold.settle(values[k, :-1], float(values[k, -1]))
+        settled = manifold.settle(values[k, :-1], float(values[k, -1]), TOLERANCE)
         if settled is None:
             return None
         values[k, :-1] = settled

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pivotgait.frozen import Array
@@ -12,7 +14,7 @@ from pivotgait.planning.trajectory import JointTrajectory
 
 GRID = 400
 """Moments at which a motion of unit length is looked at for its limits."""
-SAMPLE_TOLERANCE = 1e-11
+SAMPLE_TOLERANCE = 1e-9
 """Of eq. (9) at samples [m]."""
 ROUNDS = 4
 """Of slowing down, when corrections on the manifold have raised speeds."""
@@ -70,7 +72,7 @@ def time_path(
             return None
         excess = max(timed.speed_share / shares[0], timed.acceleration_share / shares[1])
         if excess <= 1.0:
-            return timed
+            return replace(timed, drift=_drift(manifold, timed.q, timed.s))
         duration = count * sample_s * max(excess**0.5, excess, 1.0 + 1e-3)
     return None
 
@@ -88,7 +90,7 @@ def _sample(
     v = q_1 * rate[:, None]
     a = q_2 * rate[:, None] ** 2 + q_1 * change[:, None]
     s_rate, s_change = s_1 * rate, s_2 * rate**2 + s_1 * change
-    poses, twists = [], []
+    poses, twists, at_rest = [], [], np.zeros(manifold.chain.rows)
     for k in range(count + 1):
         pose = tool.pose(float(s[k]))
         moving = tool.motion(float(s[k]), float(s_rate[k]), float(s_change[k]))
@@ -100,7 +102,7 @@ def _sample(
         if found.residual_norm > TOLERANCE:
             return None
         q[k] = found.q
-        rates = manifold.chain.target_rate(*velocity)
+        rates = manifold.chain.target_rate(*velocity) if tool.moves else at_rest
         v[k] = resolve(manifold.chain, rates, v[k], weights=manifold.metric)
         bias = manifold.chain.bias(v[k], *twist)
         a[k] = resolve(manifold.chain, bias, a[k], weights=manifold.metric)
@@ -122,17 +124,11 @@ def _sample(
         angular_acceleration=np.array([twist[3] for twist in twists]),
         speed_share=float((np.abs(v) / robot.velocity_max).max()),
         acceleration_share=float((np.abs(a) / robot.acceleration_max).max()),
-        drift=_drift(manifold, q, s),
+        drift=np.inf,
     )
 
 
 def _drift(manifold: Manifold, q: Array, s: Array) -> float:
     """Largest error of a holding tip's place half way between samples [m]."""
-    chain, worst = manifold.chain, 0.0
-    if not chain.rows:
-        return worst
-    for k in range(len(s) - 1):
-        chain.update(0.5 * (q[k] + q[k + 1]), *manifold.tool.pose(0.5 * float(s[k] + s[k + 1])))
-        places = chain.residual.reshape(-1, 5)[:, 2:]
-        worst = max(worst, float(np.sqrt((places**2).sum(axis=1)).max()))
-    return worst
+    middle, at = 0.5 * (q[:-1] + q[1:]), 0.5 * (s[:-1] + s[1:])
+    return max(manifold.hold_error(each, float(k)) for each, k in zip(middle, at, strict=True))

@@ -13,6 +13,8 @@ from pivotgait.exceptions import InputError
 from pivotgait.frozen import Array, FrozenArrays, frozen
 from pivotgait.kinematics.rigid_motion import RigidMotion
 
+AT_REST = RigidMotion(np.zeros(3), np.zeros(3))
+
 
 class ToolPath(Protocol):
     """Where the tool is at a path parameter s in [0, 1]; twice differentiable in s."""
@@ -61,7 +63,7 @@ class PivotingTool(FrozenArrays):
         """A tool that stays where it is."""
         return cls(oRtool, position, position, np.zeros(3))
 
-    @property
+    @cached_property
     def moves(self) -> bool:
         """Whether the tool turns at all."""
         return bool(np.any(self.turn))
@@ -79,6 +81,8 @@ class PivotingTool(FrozenArrays):
 
     def motion(self, s: float, rate: float, acceleration: float) -> RigidMotion:
         """Velocity and acceleration for ds/dt [1/s] and d2s/dt2 [1/s^2]."""
+        if not self.moves:
+            return AT_REST
         omega, change = rate * self.turn, acceleration * self.turn
         lever = self.pose(s)[1] - self.pivot
         velocity = np.cross(omega, lever)

@@ -41,7 +41,7 @@ class Validity:
             manifold.tip(q, s).translation
             for q, s, normal in (
                 (problem.start, 0.0, problem.start_normal),
-                (problem.goal, 1.0, problem.goal_normal),
+                (problem.goal, problem.s_goal, problem.goal_normal),
             )
             if normal is not None
         ]
@@ -100,7 +100,7 @@ def check_step(problem: RelocationProblem) -> float:
     spare = np.inf
     for q, s, normal in (
         (problem.start, 0.0, problem.start_normal),
-        (problem.goal, 1.0, problem.goal_normal),
+        (problem.goal, problem.s_goal, problem.goal_normal),
     ):
         touching = problem.holding | ({problem.finger} if normal is not None else set())
         distance, _ = world.holding(touching).clearance(q, *problem.tool.pose(s))

@@ -114,5 +114,6 @@ def _limit(what: str, bound: object) -> str:
 
 def _where(place: Mapping[str, Any]) -> str:
     time = quantity(place.get("time_s"), "s")
-    parts = (place.get("phase"), place.get("contact"), "" if time == UNKNOWN else time)
+    part = place.get("contact") or place.get("part")
+    parts = (place.get("phase"), part, "" if time == UNKNOWN else time)
     return ", ".join(str(part) for part in parts if part) or "whole plan"

@@ -12,8 +12,8 @@ from pivotgait.models import export_scene, load_scene, parse_scene
 
 KNIFE = export_scene("knife")
 GAIT = KNIFE[KNIFE.index("    - {kind: lift") :]
-LIFT, ADD, REMOVE, MOVE = GAIT.splitlines()
-EDGE = "{finger: index, along_m: 0.045, around_deg: 180,"
+LIFT, TO_MIDDLE, ADD, REMOVE, TO_NEAR, ADD_NEAR = GAIT.splitlines()
+EDGE = "{finger: index, along_m: 0.038, around_deg: 180,"
 
 # what to replace in the knife's scene, with what, the error's type, a part of its message
 BAD: dict[str, tuple[str, str, type[InputError], str]] = {
@@ -35,15 +35,20 @@ BAD: dict[str, tuple[str, str, type[InputError], str]] = {
         "duration_s: 0.8, steps: 40}",
         "duration_s: 0.8, steps: 40, stepz: 1}",
         SceneError,
-        "gaits.default[1].stepz: unknown key 'stepz' - did you mean 'steps'?",
+        "gaits.default[2].stepz: unknown key 'stepz' - did you mean 'steps'?",
     ),
     "unknown kind": (
         "kind: addition",
         "kind: add",
         SceneError,
-        "gaits.default[1]: unknown kind 'add' - use",
+        "gaits.default[2]: unknown kind 'add' - use",
     ),
-    "no kind": ("kind: addition, ", "", SceneError, "gaits.default[1]: has no 'kind'"),
+    "no kind": (
+        "kind: addition, ",
+        "",
+        SceneError,
+        "gaits.default[2]: has no 'kind' - add kind: lift, relocation, addition or removal",
+    ),
     "zero friction": (
         EDGE + " friction: 0.8",
         EDGE + " friction: 0",
@@ -119,7 +124,7 @@ BAD: dict[str, tuple[str, str, type[InputError], str]] = {
     "zero along the axis": ("zero: [0, 0, 1]", "zero: [1, 0, 1]", SceneError, "normal to axis"),
     "axis beside the handle": ("-0.0145]", "0.2]", SceneError, "axis misses its shapes"),
     "off the handle": (
-        "along_m: 0.030",
+        "along_m: 0.062",
         "along_m: 0.3",
         SceneError,
         "contacts.middle_flat: along_m 0.3 is off the handle - choose it within",
@@ -134,7 +139,7 @@ BAD: dict[str, tuple[str, str, type[InputError], str]] = {
         REMOVE,
         REMOVE.replace("index_edge", "ring"),
         UnknownNameError,
-        "gaits.default[2].contact: unknown contact 'ring'",
+        "gaits.default[3].contact: unknown contact 'ring'",
     ),
     "no such contact to lift with": (
         "[thumb_spine, index_edge]",
@@ -150,20 +155,26 @@ BAD: dict[str, tuple[str, str, type[InputError], str]] = {
     ),
     "lift with one finger twice": (
         "[thumb_spine, index_edge]",
-        "[index_edge, index_edge_far]",
+        "[index_edge, index_edge_near]",
         SceneError,
         "finger 'index' is in contact already, at 'index_edge'",
     ),
-    "add a finger twice": (REMOVE + "\n", "", SceneError, "finger 'index' is in contact already"),
+    "add a finger twice": (
+        f"{REMOVE}\n{TO_NEAR}\n",
+        "",
+        SceneError,
+        "finger 'index' is in contact already",
+    ),
+    "move a finger that holds": (REMOVE + "\n", "", SceneError, "finger 'index' holds the tool"),
     "remove what does not touch": (
         REMOVE,
-        REMOVE.replace("index_edge", "index_edge_far"),
+        REMOVE.replace("index_edge", "index_edge_near"),
         SceneError,
-        "'index_edge_far' is not in contact - contacts then: thumb_spine, index_edge, middle",
+        "'index_edge_near' is not in contact - contacts then: thumb_spine, index_edge, middle",
     ),
     "one finger left": (ADD + "\n", "", SceneError, "leaves 1 finger on the tool, needs 2"),
-    "no lift first": (LIFT + "\n", "", SceneError, "gaits.default[0]: starts with kind addition"),
-    "a second lift": (MOVE, LIFT, SceneError, "gaits.default[3]: a lift after another phase"),
+    "no lift first": (LIFT + "\n", "", SceneError, "gaits.default[0]: starts with kind relocation"),
+    "a second lift": (ADD_NEAR, LIFT, SceneError, "gaits.default[5]: a lift after another phase"),
     "no phases": (GAIT, "", SceneError, "gaits.default"),
     "no gait": ("gaits:\n  default:\n" + GAIT, "gaits: {}", SceneError, "gaits"),
     "no default gait": ("  default:", "  other:", SceneError, "gaits: has no gait 'default'"),

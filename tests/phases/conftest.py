@@ -12,7 +12,14 @@ import pytest
 
 from pivotgait.contacts import cone_margin, grasp_map
 from pivotgait.dynamics import required_wrench
-from pivotgait.models import AdditionPhase, LiftPhase, RemovalPhase, export_scene, parse_scene
+from pivotgait.models import (
+    AdditionPhase,
+    LiftPhase,
+    RelocationPhase,
+    RemovalPhase,
+    export_scene,
+    parse_scene,
+)
 from pivotgait.phases.addition import AdditionOptions, plan_addition
 from pivotgait.phases.grasp import Grasp, Setting
 from pivotgait.phases.lift import LiftOptions, plan_lift
@@ -27,7 +34,7 @@ Config = LiftPhase | AdditionPhase | RemovalPhase
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """A gait just before one of its phases."""
+    """A gait just before one of its phases, as the tool feels them: relocations left out."""
 
     setting: Setting
     grasp: Grasp
@@ -73,7 +80,7 @@ def _moment(name: str, place: int, edits: Edits) -> Moment:
         assert old in text, f"{old!r} is not in the scene {name}"
         text = text.replace(old, new)
     scene = parse_scene(text)
-    configs = scene.gaits["default"]
+    configs = [each for each in scene.gaits["default"] if not isinstance(each, RelocationPhase)]
     if place == 0:
         nothing = Grasp(scene.rest_rotation, MappingProxyType({}))
         return Moment(Setting.of(scene), nothing, configs[0])
@@ -93,7 +100,10 @@ def _solved(name: str, place: int, solver: RemovalSolver, doubling: bool) -> Rem
 
 @pytest.fixture(scope="session")
 def moment() -> Callable[..., Moment]:
-    """A scene's gait before the phase at a place: ``moment("knife", 2, ("old", "new"))``."""
+    """A scene's gait before the phase at a place: ``moment("knife", 2, ("old", "new"))``.
+
+    Places count the phases in which the tool feels something: no relocations.
+    """
     return lambda name, place, *edits: _moment(name, place, edits)
 
 

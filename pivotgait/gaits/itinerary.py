@@ -1,0 +1,124 @@
+"""The moments of a gait at which the hand's posture is sought, and the samples they stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from pivotgait.exceptions import SceneError
+from pivotgait.gaits.steps import Step
+from pivotgait.models import AdditionPhase, HandleContact, LiftPhase, RelocationPhase, Scene
+from pivotgait.planning.key_posture import KeyPose
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A sample of a phase at a key pose.
+
+    Attributes:
+        sample: of the phase; for a relocation 0 is its start and 1 its end.
+        key: place among the key poses.
+    """
+
+    sample: int
+    key: int
+
+
+@dataclass(frozen=True, eq=False)
+class Itinerary:
+    """Key poses in the order of time and the stops of each step.
+
+    Attributes:
+        keys: of the whole gait.
+        stops: of each step, in order; one for a step in which the hand rests.
+    """
+
+    keys: tuple[KeyPose, ...]
+    stops: tuple[tuple[Stop, ...], ...]
+
+    @classmethod
+    def of(cls, scene: Scene, steps: Sequence[Step]) -> Itinerary:
+        """Start, middle and end of each phase in which the tool moves; ends of relocations.
+
+        Raises:
+            SceneError: for an addition to which no relocation brings the finger.
+        """
+        keys: list[KeyPose] = []
+        stops: list[tuple[Stop, ...]] = []
+        for step in steps:
+            config, here = step.config, Stop(0, len(keys) - 1)
+            if isinstance(config, RelocationPhase):
+                keys.append(_after_relocation(scene, step, scene.contacts[config.contact]))
+                stops.append((here, Stop(1, here.key + 1)))
+            elif isinstance(config, AdditionPhase):
+                _check_arrived(keys[-1], scene.contacts[config.contact], step.name)
+                stops.append((here,))
+            else:
+                last = _last(step)
+                samples = [last // 2, last]
+                if isinstance(config, LiftPhase):
+                    keys.append(key_at(step, 0))
+                    here = Stop(0, len(keys) - 1)
+                keys += [key_at(step, sample) for sample in samples]
+                stops.append((here, Stop(samples[0], here.key + 1), Stop(last, here.key + 2)))
+        return cls(tuple(keys), tuple(stops))
+
+    def with_stop(self, steps: Sequence[Step], place: int, sample: int) -> tuple[Itinerary, int]:
+        """One more stop within a step; also the place of its key pose.
+
+        Args:
+            steps: of the gait.
+            place: of the step.
+            sample: of the step's phase, not a stop yet.
+        """
+        later = next(stop for stop in self.stops[place] if stop.sample > sample)
+        new = later.key
+        keys = (*self.keys[:new], key_at(steps[place], sample), *self.keys[new:])
+        stops = [
+            tuple(replace(stop, key=stop.key + (stop.key >= new)) for stop in each)
+            for each in self.stops
+        ]
+        stops[place] = tuple(sorted((*stops[place], Stop(sample, new)), key=lambda s: s.sample))
+        return Itinerary(keys, tuple(stops)), new
+
+
+def key_at(step: Step, sample: int) -> KeyPose:
+    """The tool and its contacts at a sample of a step in which it moves."""
+    phase = step.phase
+    assert phase is not None
+    turn, time = phase.tool.rotation[sample].as_matrix(), phase.time[sample]
+    name = f"{step.name} at {time:.2f} s"
+    return KeyPose(name, turn, phase.tool.position[sample], step.before.fingers)
+
+
+def contacts_left(scene: Scene, steps: Sequence[Step]) -> Iterator[tuple[str, HandleContact]]:
+    """Name of each relocation whose finger still is at a contact -> that contact."""
+    at: dict[str, HandleContact] = {}
+    for step in steps:
+        at.update(step.before.fingers)
+        if isinstance(step.config, RelocationPhase):
+            goal = scene.contacts[step.config.contact]
+            if goal.finger in at:
+                yield step.name, at[goal.finger]
+            at[goal.finger] = goal
+
+
+def _last(step: Step) -> int:
+    assert step.phase is not None
+    return len(step.phase.time) - 1
+
+
+def _after_relocation(scene: Scene, step: Step, goal: HandleContact) -> KeyPose:
+    rotation = step.before.rotation
+    fingers = {**step.before.fingers, goal.finger: goal}
+    place = scene.centre_of_mass(rotation)
+    return KeyPose(f"end of {step.name}", rotation.as_matrix(), place, fingers)
+
+
+def _check_arrived(key: KeyPose, contact: HandleContact, where: str) -> None:
+    if key.contacts.get(contact.finger) is not contact:
+        raise SceneError(
+            f"nothing brings finger {contact.finger!r} to {contact.name!r}",
+            where=where,
+            mend="put a relocation before the addition",
+        )
