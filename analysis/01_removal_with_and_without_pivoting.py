@@ -43,6 +43,7 @@ from pivotgait.models import (
     AdditionPhase,
     HandleContact,
     LiftPhase,
+    RemovalPhase,
     Scene,
     load_scene,
 )
@@ -62,8 +63,8 @@ from pivotgait.plotting.pivoting import (
 from pivotgait.plotting.save import save_figure
 
 Array = NDArray[np.float64]
-ALONG_M = {"knife": (0.010, 0.090), "screwdriver": (0.015, 0.095)}
-"""Range of the place along the handle, its middle or grid near the scene's own place."""
+ALONG_M = {"knife": (0.010, 0.114), "screwdriver": (0.015, 0.095)}
+"""Range of the place along the handle, the scene's own place in its middle."""
 AROUND_DEG = 30.0
 """The place around the handle goes this far to both sides of the scene's own."""
 BESIDE_DEG = 10.0
@@ -110,7 +111,7 @@ class Situation:
                 held, rotation = list(phase.contacts), scene.lift_rotation(phase.to)
             elif isinstance(phase, AdditionPhase):
                 held.append(phase.contact)
-            else:
+            elif isinstance(phase, RemovalPhase):
                 staying = [name for name in held if name != phase.contact]
                 contacts = tuple(scene.contacts[name] for name in staying)
                 leaving = scene.contacts[phase.contact]

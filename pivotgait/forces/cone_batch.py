@@ -110,8 +110,9 @@ class ConeBatch:
 
 def interior_log_barrier(det: Array, line: Array) -> Array:
     """(B,) the barrier of determinants (c, B) and scalars, all positive."""
-    product = np.sqrt(det.prod(axis=0)) * line.prod(axis=0)
     # A product of a dozen factors takes one logarithm, unless it leaves the range.
+    with np.errstate(over="ignore"):
+        product = np.sqrt(det.prod(axis=0)) * line.prod(axis=0)
     span = np.finfo(product.dtype)
     if product.min() > 1e3 * span.tiny and product.max() < 1e-3 * span.max:
         return np.asarray(-np.log(product))

@@ -28,7 +28,7 @@ from pivotgait.planning.posture_search import PostureOptions, PostureSearch, Sea
 from pivotgait.planning.problem import RelocationOptions, RelocationProblem
 from pivotgait.planning.relocation import plan_relocation
 from pivotgait.planning.tool_path import PivotingTool
-from pivotgait.plans import Phase, RobotMotion
+from pivotgait.plans import Phase
 
 
 @dataclass(frozen=True)
@@ -53,12 +53,14 @@ class HandGait:
     Attributes:
         phases: with robot motion, in order.
         plan_time_s: time spent on each phase's hand, without the search for postures.
+        start: itinerary and postures that led to it, from which to plan it again.
         search_time_s: time spent on postures and on candidates that failed.
         record: of the search.
     """
 
     phases: tuple[Phase, ...]
     plan_time_s: tuple[float, ...]
+    start: tuple[Itinerary, Array]
     search_time_s: float
     record: SearchRecord
 
@@ -115,18 +117,33 @@ class HandPlanner:
         began, keys = perf_counter(), self.itinerary.keys
         search = PostureSearch(self._robot, self.world, keys, self._rng, self.options.postures)
         for postures in search.candidates():
-            carried = self._refined(postures)
+            carried = self._refined(postures, self.itinerary)
             if isinstance(carried, str):
                 search.record.failures[carried] += 1
                 continue
-            phases, times = carried
-            spent = perf_counter() - began - sum(times)
-            return HandGait(phases, times, spent, search.record)
+            spent = perf_counter() - began - sum(carried.plan_time_s)
+            return replace(carried, search_time_s=spent, record=search.record)
         raise search.record.infeasible("the hand's gait")
 
-    def _refined(self, postures: Postures) -> tuple[tuple[Phase, ...], tuple[float, ...]] | str:
+    def plan_again(self, found: HandGait) -> HandGait:
+        """Carry the gait out once more after its forces have changed, from where it was found.
+
+        Raises:
+            InfeasibleError: the hand cannot follow any more.
+        """
+        began, (itinerary, q) = perf_counter(), found.start
+        itinerary = itinerary.renewed(self._steps)
+        settled = self._settle(itinerary, q)
+        if isinstance(settled, Refused):
+            raise InfeasibleError(settled.reason, where="the hand's gait, planned again")
+        carried = self._refined(settled, itinerary)
+        if isinstance(carried, str):
+            raise InfeasibleError(carried, where="the hand's gait, planned again")
+        spent = found.search_time_s + perf_counter() - began - sum(carried.plan_time_s)
+        return replace(carried, search_time_s=spent, record=found.record)
+
+    def _refined(self, postures: Postures, itinerary: Itinerary) -> HandGait | str:
         """Carry the gait out; where it is blocked between key poses, seek a posture there too."""
-        itinerary, options = self.itinerary, self.options.postures
         for _ in range(self.options.refinements + 1):
             try:
                 return self._carry_out(itinerary, postures)
@@ -135,11 +152,7 @@ class HandPlanner:
                 if any(stop.sample == blocked.sample for stop in itinerary.stops[step]):
                     return reason
                 itinerary, new = itinerary.with_stop(self._steps, step, blocked.sample)
-                chain = PostureChain(
-                    self._robot, self.world, itinerary.keys, options.singular_value_min
-                )
-                start = np.insert(postures.q, new, blocked.q, axis=0)
-                settled = chain.settle(start, options.rounds[-1])
+                settled = self._settle(itinerary, np.insert(postures.q, new, blocked.q, axis=0))
                 if isinstance(settled, Refused):
                     return f"{reason}; {settled.reason}"
                 postures = settled
@@ -147,10 +160,13 @@ class HandPlanner:
                 return " ".join((error.where + ":" if error.where else "", error.what)).strip()
         return reason
 
-    def _carry_out(
-        self, itinerary: Itinerary, postures: Postures
-    ) -> tuple[tuple[Phase, ...], tuple[float, ...]]:
-        """The phases with robot motion, and the time each took.
+    def _settle(self, itinerary: Itinerary, start: Array) -> Postures | Refused:
+        options = self.options.postures
+        chain = PostureChain(self._robot, self.world, itinerary.keys, options.singular_value_min)
+        return chain.settle(start, options.rounds[-1])
+
+    def _carry_out(self, itinerary: Itinerary, postures: Postures) -> HandGait:
+        """The phases with robot motion.
 
         Raises:
             Blocked: a tracked phase breaks a limit or collides between its stops.
@@ -169,7 +185,7 @@ class HandPlanner:
                 phase = self._track(k, step.phase, through, postures)
             done[k] = phase, perf_counter() - began
         phases, times = zip(*(done[k] for k in range(len(self._steps))), strict=True)
-        return phases, times
+        return HandGait(phases, times, (itinerary, postures.q), 0.0, SearchRecord())
 
     def _track(self, place: int, phase: Phase, through: Waypoints, postures: Postures) -> Phase:
         step = self._steps[place]
@@ -181,7 +197,8 @@ class HandPlanner:
             raise Blocked(place, error.sample, error.q, error.what) from error
         self._check_limits(place, motion)
         self._check_clearance(place, motion, phase, frozenset(touching))
-        return replace(phase, robot=self._with_torques(motion, phase))
+        robot = with_torques(self._robot, motion, phase.contacts, phase.tool)
+        return replace(phase, robot=robot)
 
     def _check_limits(self, place: int, motion: JointMotion) -> None:
         robot = self._robot
@@ -236,7 +253,7 @@ class HandPlanner:
             raise InfeasibleError(result.failure, where=step.name)
         path = result.trajectory
         phase = relocation_phase(self._setting, grasp, contact.finger, path.time, name=step.name)
-        motion = self._with_torques(JointMotion(path.q, path.v, path.a), phase)
+        motion = JointMotion(path.q, path.v, path.a)
         record = {
             "solver": "RRT",
             "iterations": result.iterations,
@@ -244,21 +261,8 @@ class HandPlanner:
             "length_found_m": result.length_found,
             "length_m": result.length,
         }
-        return replace(phase, robot=motion, record=record)
-
-    def _with_torques(self, motion: JointMotion, phase: Phase) -> RobotMotion:
-        """With joint torques.
-
-        Raises:
-            InfeasibleError: naming the joint whose torque limit is exceeded.
-        """
-        robot = self._robot
-        full = with_torques(robot, motion, phase.contacts, phase.tool)
-        share = np.abs(full.tau) / robot.effort_max
-        if share.max() > 1.0:
-            worst = int(np.argmax(share.max(axis=0)))
-            raise InfeasibleError(f"exceeds the torque of {robot.joint_names[worst]}")
-        return full
+        robot = with_torques(self._robot, motion, phase.contacts, phase.tool)
+        return replace(phase, robot=robot, record=record)
 
 
 def _holds(postures: Postures, contacts: Iterable[HandleContact]) -> list[Hold]:

@@ -81,6 +81,21 @@ class Itinerary:
         stops[place] = tuple(sorted((*stops[place], Stop(sample, new)), key=lambda s: s.sample))
         return Itinerary(keys, tuple(stops)), new
 
+    def renewed(self, steps: Sequence[Step]) -> Itinerary:
+        """The same stops on the steps as they are now."""
+        keys = list(self.keys)
+        for step, stops in zip(steps, self.stops, strict=True):
+            if step.phase is None or len(stops) == 1:
+                continue
+            for stop in stops if isinstance(step.config, LiftPhase) else stops[1:]:
+                keys[stop.key] = key_at(step, stop.sample)
+        for step, stops in zip(steps, self.stops, strict=True):
+            if step.phase is None:
+                turn = step.before.rotation.as_matrix()
+                position = keys[stops[0].key].position
+                keys[stops[1].key] = replace(keys[stops[1].key], rotation=turn, position=position)
+        return Itinerary(tuple(keys), self.stops)
+
 
 def key_at(step: Step, sample: int) -> KeyPose:
     """The tool and its contacts at a sample of a step in which it moves."""

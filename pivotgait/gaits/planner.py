@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 
 import numpy as np
 
 from pivotgait import __version__
-from pivotgait.exceptions import InputError, UnknownNameError
-from pivotgait.gaits.hand import HandOptions, HandPlanner
+from pivotgait.exceptions import InfeasibleError, InputError, UnknownNameError
+from pivotgait.forces import LinearRows
+from pivotgait.gaits.hand import HandGait, HandOptions, HandPlanner
 from pivotgait.gaits.steps import Step, plan_steps
-from pivotgait.models import RelocationPhase, Robot, Scene, Tool
+from pivotgait.models import PhaseConfig, RelocationPhase, Robot, Scene, Tool
 from pivotgait.phases.grasp import Setting
+from pivotgait.phases.torque_limits import torque_rows, torque_share
 from pivotgait.plans import GaitPlan, Phase, PlannedFinger, PlannedRobot, PlannedTool
 
 PACKAGES = ("numpy", "scipy", "pin", "coal", "clarabel", "casadi")
 """Packages whose versions a plan carries: those its numbers depend on."""
+_TORQUE_RESERVE = {"lift": 0.15, "addition": 0.02}
+"""Share of torque limits left unused when forces are chosen by them: postures change a little when
+the hand is planned again, and a lift's last forces hold the tool in those that follow, too."""
 
 
 @dataclass(frozen=True)
@@ -84,9 +89,7 @@ def plan_gait(
         steps = plan_steps(setting, configs, lambda step, k: tell(_done(step, k, len(configs))))
         phases = tuple(step.phase for step in steps if step.phase is not None)
     else:
-        steps = plan_steps(setting, configs)
-        planner = HandPlanner(setting, robot, steps, np.random.default_rng(seed), options)
-        found = planner.plan()
+        steps, found = _plan_hand(setting, robot, configs, np.random.default_rng(seed), options)
         tell(PosturesFound(found.record.starts, found.search_time_s))
         phases = found.phases
         for k, (step, phase) in enumerate(zip(steps, phases, strict=True)):
@@ -101,6 +104,56 @@ def plan_gait(
         phases=phases,
         robot=None if robot is None else _planned_robot(robot),
     )
+
+
+def _plan_hand(
+    setting: Setting,
+    robot: Robot,
+    configs: Sequence[PhaseConfig],
+    rng: np.random.Generator,
+    options: HandOptions | None,
+) -> tuple[tuple[Step, ...], HandGait]:
+    """Forces, then the hand; where its torques are too large, both again with their limits.
+
+    Raises:
+        InfeasibleError: no posture or path, or a torque limit that no forces keep.
+    """
+    steps = plan_steps(setting, configs)
+    found = HandPlanner(setting, robot, steps, rng, options).plan()
+    if not _weakest(robot, found):
+        return steps, found
+    rows = {
+        phase.name: _rows(robot, step, phase)
+        for step, phase in zip(steps, found.phases, strict=True)
+        if phase.kind in _TORQUE_RESERVE
+    }
+    steps = plan_steps(setting, configs, rows=rows)
+    found = HandPlanner(setting, robot, steps, rng, options).plan_again(found)
+    weak = _weakest(robot, found)
+    if weak:
+        name, joint, share = weak
+        raise InfeasibleError(
+            f"needs {100 * share:.0f} % of the torque of {joint}",
+            where=name,
+            mend="lower normal_force_N.max of the contacts or choose others",
+        )
+    return steps, found
+
+
+def _rows(robot: Robot, step: Step, phase: Phase) -> LinearRows:
+    fingers = tuple({**step.before.fingers, **step.after.fingers}.values())
+    assert phase.robot is not None
+    reserve = _TORQUE_RESERVE[phase.kind]
+    return torque_rows(robot, phase.robot, phase.tool, fingers, reserve=reserve)
+
+
+def _weakest(robot: Robot, found: HandGait) -> tuple[str, str, float] | None:
+    """Phase, joint and share of the torque that is farthest beyond its limit, if one is."""
+    shares = [
+        (phase.name, *torque_share(robot, phase.robot.tau)) for phase in found.phases if phase.robot
+    ]
+    name, share, joint = max(shares, key=lambda each: each[1])
+    return (name, joint, share) if share > 1.0 else None
 
 
 def _done(step: Step, place: int, count: int) -> PhaseDone:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from types import MappingProxyType
 
 from pivotgait.exceptions import PivotGaitError
+from pivotgait.forces import LinearRows
 from pivotgait.models import AdditionPhase, LiftPhase, PhaseConfig, RelocationPhase
 from pivotgait.phases.addition import AdditionOptions, plan_addition
 from pivotgait.phases.grasp import Grasp, Setting
@@ -43,6 +44,7 @@ def plan_steps(
     setting: Setting,
     configs: Sequence[PhaseConfig],
     done: Callable[[Step, int], None] | None = None,
+    rows: Mapping[str, LinearRows] | None = None,
 ) -> tuple[Step, ...]:
     """Plan the tool's motion and forces phase after phase, each from where the last one ended.
 
@@ -50,6 +52,7 @@ def plan_steps(
         setting: tool and table.
         configs: what the scene asks for.
         done: called after each step with its place.
+        rows: step's name -> joint torque limits along it, for lifts and additions.
 
     Raises:
         InfeasibleError: no forces or no motion satisfy a phase's constraints.
@@ -59,7 +62,7 @@ def plan_steps(
     steps: list[Step] = []
     for place, config in enumerate(configs):
         began, name = perf_counter(), phase_name(place, config.kind)
-        phase, after = _plan(setting, grasp, config, name)
+        phase, after = _plan(setting, grasp, config, name, (rows or {}).get(name))
         if isinstance(config, LiftPhase):
             grasp = Grasp(grasp.rotation, after.fingers)
         steps.append(Step(config, name, phase, grasp, after, perf_counter() - began))
@@ -70,7 +73,7 @@ def plan_steps(
 
 
 def _plan(
-    setting: Setting, grasp: Grasp, config: PhaseConfig, name: str
+    setting: Setting, grasp: Grasp, config: PhaseConfig, name: str, rows: LinearRows | None
 ) -> tuple[Phase | None, Grasp]:
     scene = setting.scene
     try:
@@ -80,11 +83,12 @@ def _plan(
             touching = [scene.contacts[each] for each in config.contacts]
             start = Grasp(grasp.rotation, {contact.finger: contact for contact in touching})
             lift = LiftOptions(config.duration_s, config.steps, config.profile)
-            return plan_lift(setting, start, scene.lift_rotation(config.to), lift, name=name)
+            target = scene.lift_rotation(config.to)
+            return plan_lift(setting, start, target, lift, name=name, rows=rows)
         contact = scene.contacts[config.contact]
         if isinstance(config, AdditionPhase):
             addition = AdditionOptions(config.duration_s, config.steps)
-            return plan_addition(setting, grasp, contact, addition, name=name)
+            return plan_addition(setting, grasp, contact, addition, name=name, rows=rows)
         removal = RemovalOptions(
             config.duration_s,
             config.steps,

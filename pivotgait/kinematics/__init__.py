@@ -18,6 +18,7 @@ from pivotgait.kinematics.local_coordinates import (
 )
 from pivotgait.kinematics.projection import Projection, project, resolve
 from pivotgait.kinematics.rigid_motion import RigidMotion
+from pivotgait.kinematics.sampled_motion import differentiate
 
 __all__ = [
     "ClosedChain",
@@ -30,6 +31,7 @@ __all__ = [
     "TaskJacobian",
     "angles_from_rotation",
     "choose_palm_rows",
+    "differentiate",
     "project",
     "rate_map",
     "rate_map_derivative",

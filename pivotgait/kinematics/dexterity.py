@@ -10,13 +10,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.linalg import lapack
 
 from pivotgait.frozen import Array
 
+_LEAST_SQUARE = 1e-20  # [m^2]: the gradient at an exactly singular finger is not defined
+
 
 def dexterity(
-    jacobian: Array, normal: Array, own: Sequence[int], angle_length: float
-) -> tuple[float, Array]:
+    jacobian: Array,
+    normal: Array,
+    own: Sequence[int],
+    angle_length: float,
+    *,
+    below: float = np.inf,
+) -> tuple[float, Array | None]:
     """Smallest singular value of a finger's own five-row contact Jacobian, and its gradient.
 
     The rows are the tip's velocity and, as a length, the part of its angular velocity across the
@@ -31,18 +39,25 @@ def dexterity(
         normal: (3,) unit contact normal, world.
         own: columns of the finger's joints, in that order.
         angle_length: length that stands for one radian [m].
+        below: the gradient is wanted only for a sigma smaller than this [m].
 
     Returns:
-        sigma [m] and d sigma/dq (nv,), the normal being fixed in the world.
+        sigma [m] and d sigma/dq (nv,), the normal being fixed in the world; None if not wanted.
     """
     columns = np.asarray(own)
     linear, angular = jacobian[:3], jacobian[3:]
     across = np.eye(3) - np.outer(normal, normal)
     rows = np.concatenate((linear[:, columns], angle_length * (across @ angular[:, columns])))
-    left, values, right = np.linalg.svd(rows, full_matrices=False)
-    push, twist = left[:3, -1], angle_length * (across @ left[3:, -1])
+    # By the eigenvalues of the small square, several times as fast as a singular value
+    # decomposition; what it loses in digits is far below what matters near 1e-3 m.
+    squares, vectors, _ = lapack.dsyev(rows.T @ rows)
+    sigma = float(max(squares[0], _LEAST_SQUARE) ** 0.5)
+    if not sigma < below:
+        return sigma, None
+    left = rows @ vectors[:, 0] / sigma
+    push, twist = left[:3], angle_length * (across @ left[3:])
     share = np.zeros(jacobian.shape[1])
-    share[columns] = right[-1]
+    share[columns] = vectors[:, 0]
     behind = _sums_from_the_end(share * linear), _sums_from_the_end(share * angular)
     before = behind[1][:, :1] - behind[1]
     gradient = (
@@ -50,7 +65,7 @@ def dexterity(
         + _triple(before, linear, push)
         + _triple(angular, behind[1], twist)
     )
-    return float(values[-1]), gradient
+    return sigma, gradient
 
 
 def _sums_from_the_end(columns: Array) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pivotgait.forces import allocate
+from pivotgait.forces import LinearRows, allocate
 from pivotgait.models import HandleContact
 from pivotgait.phases.allocation import allocate_smoothly, allocation_problem
 from pivotgait.phases.grasp import Grasp, Setting, finger_track
@@ -23,7 +23,13 @@ class AdditionOptions:
 
 
 def plan_addition(
-    setting: Setting, grasp: Grasp, contact: HandleContact, options: AdditionOptions, *, name: str
+    setting: Setting,
+    grasp: Grasp,
+    contact: HandleContact,
+    options: AdditionOptions,
+    *,
+    name: str,
+    rows: LinearRows | None = None,
 ) -> tuple[Phase, Grasp]:
     """Plan the loading of one more finger.
 
@@ -36,6 +42,7 @@ def plan_addition(
         contact: the new contact.
         options: timing.
         name: of the phase.
+        rows: joint torque limits at the L + 1 samples, or None.
 
     Returns:
         The phase and the grasp it ends in.
@@ -50,12 +57,14 @@ def plan_addition(
     fingers = [*grasp.fingers.values(), contact]
 
     rest = resting_tool(setting, grasp.rotation, 1)
-    wanted = allocate(allocation_problem(setting, rest, fingers)).require().force[0]
+    wanted = (
+        allocate(allocation_problem(setting, rest, fingers, rows=_last(rows))).require().force[0]
+    )
     normal_wanted = float(wanted[-1] @ (grasp.rotation.as_matrix() @ contact.normal))
     ramp = {finger: np.arange(steps + 1) / steps * normal_wanted}
     held = np.stack([grasp.forces[each] for each in (PIVOT, *grasp.fingers)])
     allocation = allocate_smoothly(
-        allocation_problem(setting, motion, fingers, ramp=ramp),
+        allocation_problem(setting, motion, fingers, ramp=ramp, rows=rows),
         step_s=options.duration_s / steps,
         rate_max=setting.scene.allocation.force_rate_max_N_s,
         start=np.vstack((held, np.zeros(3))),
@@ -68,3 +77,7 @@ def plan_addition(
     record = {"solver": allocation.solver}
     phase = Phase(name, "addition", finger, time, motion, contacts, record=record)
     return phase, Grasp.after(motion, {**grasp.fingers, finger: contact}, contacts)
+
+
+def _last(rows: LinearRows | None) -> LinearRows | None:
+    return rows and LinearRows(rows.matrix[-1:], rows.lower[-1:], rows.upper[-1:])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pivotgait.dynamics import required_wrench
-from pivotgait.forces import Allocation, AllocationProblem, allocate
+from pivotgait.forces import Allocation, AllocationProblem, LinearRows, allocate
 from pivotgait.models import HandleContact
 from pivotgait.phases.grasp import Setting
 from pivotgait.plans import PIVOT, ToolMotion
@@ -23,6 +23,7 @@ def allocation_problem(
     fingers: Sequence[HandleContact],
     *,
     ramp: Mapping[str, Array] | None = None,
+    rows: LinearRows | None = None,
 ) -> AllocationProblem:
     """Which forces of the pivot and the fingers carry the tool along a motion.
 
@@ -31,6 +32,7 @@ def allocation_problem(
         motion: N samples.
         fingers: the fingers in contact.
         ramp: finger name -> (N,) prescribed normal force [N] (eqs 7, 8); its lower bound is 0.
+        rows: further rows on the stacked forces, such as joint torque limits.
 
     Returns:
         The problem in world axes, contacts in the order pivot, fingers.
@@ -58,6 +60,7 @@ def allocation_problem(
         normal_max=upper,
         wrench=required_wrench(setting.body, motion),
         normal_fixed=fixed,
+        rows=rows,
         objective=scene.allocation.objective,
     )
 

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from pivotgait.dynamics import pivot_motion
+from pivotgait.forces import LinearRows
 from pivotgait.phases.allocation import allocate_smoothly, allocation_problem
 from pivotgait.phases.grasp import Grasp, Setting, finger_track
 from pivotgait.phases.timing import PROFILES, Profile
@@ -30,7 +31,13 @@ class LiftOptions:
 
 
 def plan_lift(
-    setting: Setting, grasp: Grasp, target: Rotation, options: LiftOptions, *, name: str
+    setting: Setting,
+    grasp: Grasp,
+    target: Rotation,
+    options: LiftOptions,
+    *,
+    name: str,
+    rows: LinearRows | None = None,
 ) -> tuple[Phase, Grasp]:
     """Plan the lift and the forces of eqs (4)-(6) along it.
 
@@ -43,6 +50,7 @@ def plan_lift(
         target: orientation at the end, world <- tool.
         options: timing.
         name: of the phase.
+        rows: joint torque limits at the K + 1 samples, or None.
 
     Returns:
         The phase and the grasp it ends in.
@@ -62,7 +70,7 @@ def plan_lift(
     fingers = list(grasp.fingers.values())
     smooth = options.profile == "quintic"
     allocation = allocate_smoothly(
-        allocation_problem(setting, motion, fingers),
+        allocation_problem(setting, motion, fingers, rows=rows),
         step_s=options.duration_s / options.steps,
         # a trapezoidal profile jumps in acceleration, and the forces must jump with it
         rate_max=setting.scene.allocation.force_rate_max_N_s if smooth else None,

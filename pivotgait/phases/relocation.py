@@ -1,4 +1,4 @@
-"""Relocation: a free finger goes to a contact while the others hold the resting tool (Section V)."""
+"""Relocation: a free finger goes to a contact while the others hold the tool (Section V)."""
 
 from __future__ import annotations
 

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from scipy.interpolate import CubicSpline, make_interp_spline
+from scipy.interpolate import CubicSpline
 
 from pivotgait.exceptions import InfeasibleError
 from pivotgait.frozen import Array, FrozenArrays
-from pivotgait.kinematics import ClosedChain, Hold, project, resolve
+from pivotgait.kinematics import ClosedChain, Hold, differentiate, project
 from pivotgait.models import Robot
 from pivotgait.phases.timing import quintic
 from pivotgait.plans import ContactTrack, RobotMotion, ToolMotion
@@ -60,9 +59,7 @@ def track(
 
     The redundancy is led by the cubic spline in the path fraction (quintic in time) through the
     waypoints; each sample is the configuration on eq. (9) that Newton's method with steps of
-    least norm finds from there. Velocities are those of the spline through the samples, corrected
-    by least norm so that A v = b; accelerations those of the spline through the velocities,
-    corrected so that A a = db/dt - dA/dt v.
+    least norm finds from there.
 
     Args:
         robot: the arm-hand.
@@ -87,45 +84,13 @@ def track(
         if not end.converged:
             raise Untracked(k, end.q, float(time[k]))
         q[k] = end.q
-    return _on_the_chain(chain, time, tool, q)
+    return JointMotion(q, *differentiate(chain, time, tool, q))
 
 
 def _led(through: Waypoints, fraction: Array) -> Array:
     """(N, nv) spline through the waypoints."""
     spline = CubicSpline(fraction[through.samples.astype(int)], through.q)
     return np.asarray(spline(fraction))
-
-
-def _on_the_chain(chain: ClosedChain, time: Array, tool: ToolMotion, q: Array) -> JointMotion:
-    turn, v, a = tool.rotation.as_matrix(), np.empty_like(q), np.empty_like(q)
-    wanted = _derivative(time, q, orders_at_rest=(1, 2))
-    for k in range(len(time)):
-        chain.update(q[k], turn[k], tool.position[k])
-        rate = chain.target_rate(tool.linear_velocity[k], tool.angular_velocity[k])
-        v[k] = resolve(chain, rate, wanted[k])
-    # From the corrected speeds, not from q again: a removal's samples obey Euler's rule, so that
-    # the corrections are not small and change with the posture.
-    wanted = _derivative(time, v, orders_at_rest=(1,))
-    for k in range(len(time)):
-        chain.update(q[k], turn[k], tool.position[k])
-        bias = chain.bias(
-            v[k],
-            tool.linear_velocity[k],
-            tool.angular_velocity[k],
-            tool.linear_acceleration[k],
-            tool.angular_acceleration[k],
-        )
-        a[k] = resolve(chain, bias, wanted[k])
-    return JointMotion(q, v, a)
-
-
-def _derivative(time: Array, samples: Array, *, orders_at_rest: tuple[int, ...]) -> Array:
-    """(N, nv) of the spline through samples; its derivatives of these orders vanish at its ends."""
-    zero = np.zeros(samples.shape[1])
-    ends: Any = [(order, zero) for order in orders_at_rest]
-    degree = 2 * len(orders_at_rest) + 1
-    spline = make_interp_spline(time, samples, k=degree, bc_type=(ends, ends))
-    return np.asarray(spline.derivative()(time))
 
 
 def with_torques(
@@ -140,9 +105,7 @@ def with_torques(
         tool: N samples.
     """
     model, data = robot.model, robot.model.createData()
-    tau = np.array(
-        [pin.rnea(model, data, *state) for state in zip(motion.q, motion.v, motion.a, strict=True)]
-    )
+    tau = inverse_dynamics(robot, motion)
     for k in range(len(tau)):
         pin.computeJointJacobians(model, data, motion.q[k])
         for name, track in contacts.items():
@@ -150,6 +113,13 @@ def with_torques(
                 jacobian = contact_jacobian(robot, data, name, track.world_normal(tool)[k])
                 tau[k] += jacobian.T @ track.force[k]
     return RobotMotion(q=motion.q, v=motion.v, a=motion.a, tau=tau)
+
+
+def inverse_dynamics(robot: Robot, motion: JointMotion | RobotMotion) -> Array:
+    """(N, nv) torques M a + N that move the arm-hand when it touches nothing."""
+    model, data = robot.model, robot.model.createData()
+    states = zip(motion.q, motion.v, motion.a, strict=True)
+    return np.array([pin.rnea(model, data, *state) for state in states])
 
 
 def contact_jacobian(robot: Robot, data: pin.Data, finger: str, inward: Array) -> Array:

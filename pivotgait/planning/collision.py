@@ -35,7 +35,9 @@ class CollisionWorld:
         robot: the arm-hand.
         tool: the tool.
         table_height: z of the table's plane, world [m].
-        clearance: smallest distance allowed [m].
+        clearance: smallest distance allowed [m]; kept as ``clearance_min``.
+
+    A world owns buffers: use one per thread.
 
     Raises:
         InputError: for a clearance that is negative or not finite.

@@ -69,6 +69,9 @@ class Manifold:
         reserve = LIMIT_RESERVE * (robot.upper - robot.lower)
         ends = np.stack((problem.start, problem.goal))
         self._lower = frozen(np.minimum(robot.lower + reserve, ends.min(axis=0)))
+        self._coupling_reserves = [
+            float(min(reserve[i], (ends[:, k] - ends[:, i]).min())) for i, k in robot.couplings
+        ]
         self._upper = frozen(np.maximum(robot.upper - reserve, ends.max(axis=0)))
 
     def motion(self, qa: Array, sa: float, qb: Array, sb: float) -> float:
@@ -128,9 +131,11 @@ class Manifold:
     def _clipped(self, q: Array) -> Array:
         """Inside limits and couplings."""
         inside = np.minimum(np.maximum(q, self._lower), self._upper)
-        for i, k in self.robot.couplings:
-            if inside[i] > inside[k]:
-                inside[i] = inside[k] = 0.5 * (inside[i] + inside[k])
+        for (i, k), reserve in zip(self.robot.couplings, self._coupling_reserves, strict=True):
+            excess = inside[i] - inside[k] + reserve
+            if excess > 0.0:
+                inside[i] -= 0.5 * excess
+                inside[k] += 0.5 * excess
         return inside
 
     def tip_in_world(self, q: Array) -> pin.SE3:

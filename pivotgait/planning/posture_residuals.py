@@ -7,7 +7,7 @@ direction (rolling is held to zero, Xue et al., eq. 9), and postures stay near o
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +19,6 @@ from pivotgait.kinematics.dexterity import dexterity
 from pivotgait.models import Finger, Robot
 from pivotgait.planning.collision import CollisionWorld
 from pivotgait.planning.key_posture import KeyPose, check_fingers, held_on
-
-Block = tuple[Array, list[tuple[int, Array]]]
 
 
 @dataclass(frozen=True)
@@ -76,7 +74,7 @@ class NormalEquations:
 
 
 class PostureResiduals:
-    """Residuals of postures (K, nv) at K key poses, and their normal equations.
+    """Residuals of postures (K, nv) at K key poses, as normal equations.
 
     Args:
         robot: the arm-hand.
@@ -96,42 +94,89 @@ class PostureResiduals:
         self.robot, self.keys, self.weights = robot, tuple(keys), weights or PostureWeights()
         self.lasting = held_on(self.keys)
         self._data = robot.model.createData()
-        span = robot.upper - robot.lower
+        self._range = robot.upper - robot.lower
         # A joint that turns more than once (a SCARA's last) is no better in its middle.
-        self._span = np.where(span > 2.0 * np.pi, np.inf, span)
-        self._range = span
+        span = np.where(self._range > 2.0 * np.pi, np.inf, self._range)
+        self._home, self._change = (
+            1.0 / (w * span) for w in (self.weights.home, self.weights.change)
+        )
         self._worlds = [world and world.holding(frozenset(key.contacts)) for key in self.keys]
+        self._idle = [
+            [c for name, f in robot.fingers.items() if name not in key.contacts for c in f.columns]
+            for key in self.keys
+        ]
 
     def normal_equations(self, postures: Array) -> NormalEquations:
-        """Cost, gradient and J^T J at postures (K, nv) [rad] or [m].
-
-        Summed block by block: the products stay small and their cost linear in K.
-        """
+        """Cost, gradient and J^T J at postures (K, nv) [rad] or [m]."""
         n, count = self.robot.nv, len(self.keys)
-        cost, gradient = 0.0, np.zeros((count, n))
-        normal = np.zeros((count, n, count, n))
-        for residual, parts in self.blocks(postures):
-            cost += float(residual @ residual)
-            for k, jacobian in parts:
-                gradient[k] += residual @ jacobian
-                for other, beside in parts:
-                    normal[k, :, other] += jacobian.T @ beside
-        return NormalEquations(cost, gradient.ravel(), normal.reshape(count * n, count * n))
-
-    def blocks(self, postures: Array) -> Iterator[Block]:
-        """Each residual (R,) with the places of its postures and its Jacobians (R, nv) by them."""
+        gradient, normal = np.zeros((count, n)), np.zeros((count, n, count, n))
         seen: dict[tuple[str, int], tuple[Array, Array]] = {}
-        for k, key in enumerate(self.keys):
-            own = [self._posture(postures[k]), self._clearance(k, postures[k])]
-            for residual, jacobian in own + self._contacts(k, key, postures[k], seen):
-                yield residual, [(k, jacobian)]
+        cost = self._joints(postures, gradient, normal)
+        for k in range(count):
+            residual, jacobian = self._pose(k, postures[k], seen)
+            cost += float(residual @ residual)
+            gradient[k] += residual @ jacobian
+            normal[k, :, k] += jacobian.T @ jacobian
+        scale = 1.0 / self.weights.direction
         for finger, k, following in self.lasting:
             (one, by_one), (other, by_other) = seen[finger, k], seen[finger, following]
-            scale = 1.0 / self.weights.direction
-            yield scale * (one - other), [(k, scale * by_one), (following, -scale * by_other)]
-        step = np.diag(1.0 / (self.weights.change * self._span))
-        for k in range(len(self.keys) - 1):
-            yield step @ (postures[k + 1] - postures[k]), [(k + 1, step), (k, -step)]
+            turned, sides = scale * (one - other), ((k, by_one), (following, -by_other))
+            cost += float(turned @ turned)
+            for place, jacobian in sides:
+                gradient[place] += scale * (turned @ jacobian)
+                for beside, other_jacobian in sides:
+                    normal[place, :, beside] += scale**2 * (jacobian.T @ other_jacobian)
+        return NormalEquations(cost, gradient.ravel(), normal.reshape(count * n, count * n))
+
+    def _joints(self, postures: Array, gradient: Array, normal: Array) -> float:
+        """Add the residuals of single joints and of their couplings; returns their cost."""
+        robot, weights = self.robot, self.weights
+        margin, scale = weights.limit_margin * self._range, 1.0 / (weights.limit * self._range)
+        home = self._home * (postures - robot.home)
+        low = np.maximum(robot.lower + margin - postures, 0.0) * scale
+        high = np.maximum(postures - robot.upper + margin, 0.0) * scale
+        gradient += self._home * home + scale * (high - low)
+        diagonal = self._home**2 + scale**2 * ((low > 0.0) | (high > 0.0))
+        cost = float(np.sum(home**2) + np.sum(low**2) + np.sum(high**2))
+        change = self._change * np.diff(postures, axis=0)
+        cost += float(np.sum(change**2))
+        gradient[1:] += self._change * change
+        gradient[:-1] -= self._change * change
+        diagonal[1:] += self._change**2
+        diagonal[:-1] += self._change**2
+        joints = np.arange(robot.nv)
+        for k in range(len(postures)):
+            normal[k, joints, k, joints] += diagonal[k]
+        for k in range(len(postures) - 1):
+            normal[k, joints, k + 1, joints] -= self._change**2
+            normal[k + 1, joints, k, joints] -= self._change**2
+        for i, j in robot.couplings:
+            broken = postures[:, i] - postures[:, j] + weights.coupling_margin
+            for k in map(int, np.flatnonzero(broken > 0.0)):
+                cost += float((broken[k] / weights.coupling) ** 2)
+                for column, sign in ((i, 1.0), (j, -1.0)):
+                    gradient[k, column] += sign * broken[k] / weights.coupling**2
+                    normal[k, column, k, i] += sign / weights.coupling**2
+                    normal[k, column, k, j] -= sign / weights.coupling**2
+        return cost
+
+    def _pose(
+        self, k: int, q: Array, seen: dict[tuple[str, int], tuple[Array, Array]]
+    ) -> tuple[Array, Array]:
+        """Residuals of one key pose by its own posture; notes the directions of its contacts."""
+        key, weights = self.keys[k], self.weights
+        parts = [self._clearance(k, q)]
+        for name, (error, by_q, direction, turned) in self.tips(key, q).items():
+            finger = self.robot.fingers[name]
+            seen[name, k] = direction, turned
+            parts.append((error / weights.position, by_q / weights.position))
+            missing = np.cos(finger.pad_cone) - finger.pad @ direction
+            if missing > 0.0:
+                by_pad = -(finger.pad @ turned) / weights.pad
+                parts.append((np.array([missing / weights.pad]), by_pad[None]))
+            parts.append(self._dexterity(finger, key))
+        residuals, jacobians = zip(*parts, strict=True)
+        return np.concatenate(residuals), np.concatenate(jacobians)
 
     def tips(self, key: KeyPose, q: Array) -> dict[str, tuple[Array, Array, Array, Array]]:
         """For each finger that touches: how far its tip is off, and the direction of its contact.
@@ -155,30 +200,14 @@ class PostureResiduals:
             found[name] = (placement.translation - place, jacobian[:3], turn @ inward, by_turn)
         return found
 
-    def _contacts(
-        self, k: int, key: KeyPose, q: Array, seen: dict[tuple[str, int], tuple[Array, Array]]
-    ) -> list[tuple[Array, Array]]:
-        weights, blocks = self.weights, []
-        for name, (error, by_q, direction, turned) in self.tips(key, q).items():
-            finger = self.robot.fingers[name]
-            seen[name, k] = direction, turned
-            blocks.append((error / weights.position, by_q / weights.position))
-            missing = np.cos(finger.pad_cone) - finger.pad @ direction
-            if missing > 0.0:
-                by_pad = -(finger.pad @ turned) / weights.pad
-                blocks.append((np.array([missing / weights.pad]), by_pad[None]))
-            blocks += self._dexterity(finger, key)
-        return blocks
-
-    def _dexterity(self, finger: Finger, key: KeyPose) -> list[tuple[Array, Array]]:
+    def _dexterity(self, finger: Finger, key: KeyPose) -> tuple[Array, Array]:
         jacobian = self._tip_jacobian(finger)
         inward = key.rotation @ key.contacts[finger.name].normal
-        distance, by_q = dexterity(jacobian, inward, finger.columns, ANGLE_LENGTH)
-        missing = self.weights.dexterity_wish - distance
-        if missing <= 0.0:
-            return []
-        scale = 1.0 / self.weights.dexterity
-        return [(np.array([scale * missing]), -scale * by_q[None])]
+        wish, scale = self.weights.dexterity_wish, 1.0 / self.weights.dexterity
+        distance, by_q = dexterity(jacobian, inward, finger.columns, ANGLE_LENGTH, below=wish)
+        if by_q is None:
+            return np.zeros(0), np.zeros((0, self.robot.nv))
+        return np.array([scale * (wish - distance)]), -scale * by_q[None]
 
     def _tip_jacobian(self, finger: Finger) -> Array:
         """(6, nv) of the tip's centre, world axes, at the last computed joint Jacobians."""
@@ -187,37 +216,11 @@ class PostureResiduals:
             pin.getFrameJacobian(model, data, finger.tip_frame_id, pin.LOCAL_WORLD_ALIGNED)
         )
 
-    def _posture(self, q: Array) -> tuple[Array, Array]:
-        robot, weights, eye = self.robot, self.weights, np.eye(self.robot.nv)
-        margin = weights.limit_margin * self._range
-        low, high = robot.lower + margin - q, q - robot.upper + margin
-        below, above = np.flatnonzero(low > 0.0), np.flatnonzero(high > 0.0)
-        scale = 1.0 / (weights.limit * self._range)
-        home = 1.0 / (weights.home * self._span)
-        rows = [(home * (q - robot.home), np.diag(home))]
-        rows.append(((low * scale)[below], -(eye * scale[:, None])[below]))
-        rows.append(((high * scale)[above], (eye * scale[:, None])[above]))
-        for i, j in robot.couplings:
-            broken = q[i] - q[j] + weights.coupling_margin
-            if broken > 0.0:
-                rows.append(
-                    (
-                        np.array([broken]) / weights.coupling,
-                        (eye[i] - eye[j])[None] / weights.coupling,
-                    )
-                )
-        return np.concatenate([r for r, _ in rows]), np.concatenate([j for _, j in rows])
-
     def _clearance(self, k: int, q: Array) -> tuple[Array, Array]:
         world, key, weights = self._worlds[k], self.keys[k], self.weights
         if world is None:
             return np.zeros(0), np.zeros((0, self.robot.nv))
-        idle = [
-            column
-            for name, finger in self.robot.fingers.items()
-            if name not in key.contacts
-            for column in finger.columns
-        ]
+        idle = self._idle[k]
         wish = max(weights.clearance_wish, weights.idle_wish if idle else 0.0)
         near = world.near(q, key.rotation, key.position, world.clearance_min + wish)
         distance = np.array([each for each, _ in near])

@@ -24,6 +24,9 @@ from pivotgait.planning.validity import Validity, coarse_to_fine
 
 HOLD_TOLERANCE = 1e-6
 """How far the holds may be off at start and goal [m]."""
+FINER = 4.0
+"""A trajectory is checked in so many times finer steps than the search: the padding it does not
+need leaves room to round corners."""
 SPACINGS = (0.08, 0.04, 0.02, 0.01, 0.005, 0.0025)
 """Distances of control points [m] tried for the smooth path: the coarser, the rounder."""
 
@@ -44,7 +47,7 @@ class Relocation(FrozenArrays):
         nodes: of the trees from start and goal.
         nearest: what was missing between the trees, as a bound on motion [m]; 0 if found.
         counts: how often steps ended by collision, limit, projection, or stalled.
-        check_step: bound on motion between two collision checks [m].
+        check_step: bound on motion between two collision checks of the search [m].
         times_s: wall time of each stage [s].
     """
 
@@ -117,6 +120,7 @@ class _Attempt:
         check_ends(problem)
         self.manifold = Manifold(problem)
         self.validity = Validity(problem, self.manifold)
+        self.fine = Validity(problem, self.manifold, self.validity.step / FINER)
         self.check_hold("start", problem.start, 0.0)
         self.check_hold("goal", problem.goal, problem.s_goal)
         self.lap("set-up")
@@ -175,15 +179,13 @@ class _Attempt:
     def nodes_free(self, path: SmoothPath) -> bool:
         """A quick look at a path before it is timed."""
         q, s = path(path.nodes)
-        return all(
-            self.validity.free(q[k], float(s[k])) for k in coarse_to_fine(len(path.nodes) - 1)
-        )
+        return all(self.fine.free(q[k], float(s[k])) for k in coarse_to_fine(len(path.nodes) - 1))
 
     def is_free(self, trajectory: JointTrajectory) -> bool:
         """Whether samples and the ways between them keep the collision rule."""
         q, s = trajectory.q, trajectory.s
         for k in range(len(s) - 1):
-            if not self.validity.way_free(q[k], float(s[k]), q[k + 1], float(s[k + 1])):
+            if not self.fine.way_free(q[k], float(s[k]), q[k + 1], float(s[k + 1])):
                 self.manifold.counts.collision += 1
                 return False
         return True

@@ -194,10 +194,16 @@ def search(
 
     As in Section V: a sampled SE(3) pose of the moving fingertip, the nearest node, steps by the
     stacked rows (9) and (10) with palm and finger pulled to the other end in their null space,
-    Newton's method back onto (9), each node a whole configuration. What differs: the goal is a
-    whole configuration, which steps in the fingertip's pose alone do not hit, so that a second
-    tree grows from it, and each extension is followed by an attempt to join the trees on a
-    straight line in the joints that is projected on (9) step by step (RRT-Connect).
+    Newton's method back onto (9), each node a whole configuration. What differs, and why:
+
+    * The goal is a whole configuration, which steps in the fingertip's pose alone do not hit. A
+      second tree grows from it, and each extension is followed by an attempt to join the trees.
+    * A share of the samples are configurations instead of poses, half of the poses are ones that
+      the finger reaches: four joints follow few of the poses in a box.
+    * The pseudo-inverse is damped and weighted, because a finger rarely follows six rows.
+
+    Trees are joined, and configurations approached, on a straight line in the joints that is
+    projected on (9) step by step (RRT-Connect).
 
     Args:
         problem: with its options.

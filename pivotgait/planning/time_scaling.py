@@ -100,6 +100,7 @@ def _sample(
             manifold.chain, q[k], *pose, tolerance=SAMPLE_TOLERANCE, weights=manifold.metric
         )
         if found.residual_norm > TOLERANCE:
+            manifold.counts.projection += 1
             return None
         q[k] = found.q
         rates = manifold.chain.target_rate(*velocity) if tool.moves else at_rest
@@ -109,6 +110,7 @@ def _sample(
         poses.append(pose)
         twists.append(twist)
     if not robot.within_limits(q, slack=1e-9):
+        manifold.counts.limit += 1
         return None
     return JointTrajectory(
         time=np.linspace(0.0, duration, count + 1),

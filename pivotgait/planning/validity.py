@@ -30,10 +30,13 @@ class Validity:
     one, so that a padding of step / 2 covers it.
     """
 
-    def __init__(self, problem: RelocationProblem, manifold: Manifold) -> None:
+    def __init__(
+        self, problem: RelocationProblem, manifold: Manifold, step: float | None = None
+    ) -> None:
+        """The rule of a problem, with ``step`` [m] of :func:`check_step` if not given."""
         self._manifold = manifold
         self._finger, self._zone = problem.finger, problem.options.touch_zone
-        self.step = check_step(problem)
+        self.step = check_step(problem) if step is None else step
         holding = problem.holding
         self._world = problem.world.holding(holding, 0.5 * self.step)
         self._touching = problem.world.holding(holding | {problem.finger}, 0.5 * self.step)

@@ -24,7 +24,7 @@ SCENES = {
     "bounds": KNIFE.replace("{min: 0.02, max: 6.0}", "{min: 7, max: 6.0}"),
     "no_tool": KNIFE.replace("urdf: chef_knife", "urdf: chef_knive"),
     "outside": KNIFE.replace("urdf: chef_knife", "urdf: ../../../tool.urdf"),
-    "off_handle": KNIFE.replace("along_m: 0.030", "along_m: 9.0"),
+    "off_handle": KNIFE.replace("along_m: 0.062", "along_m: 9.0"),
     "no_contact": KNIFE.replace("contact: middle_flat", "contact: middle_falt"),
     "too_low": KNIFE.replace("pitch_deg: 25", "pitch_deg: 1"),
     "schema": KNIFE.replace("pivotgait-scene/1", "pivotgait-scene/9"),

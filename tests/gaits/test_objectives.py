@@ -18,7 +18,7 @@ def test_the_knifes_gait_certifies_and_keeps_its_reserve(objective: str, profile
     text = text.replace("objective: alignment", f"objective: {objective}")
     scene = parse_scene(text.replace("profile: quintic", f"profile: {profile}"))
     assert scene.allocation.objective == objective
-    plan = plan_gait(scene)
+    plan = plan_gait(scene, hand=False)
     certificate = certify(plan)
     assert certificate.valid, certificate.violations
     margin = smallest_margin(plan, ("friction",))

@@ -1,4 +1,4 @@
-"""Gaits: every built-in scene gives a plan that certifies, the same one each time."""
+"""The tool's gait: every built-in scene gives a plan that certifies, the same one each time."""
 
 from __future__ import annotations
 
@@ -10,19 +10,32 @@ import pytest
 
 from pivotgait.certification import certify
 from pivotgait.exceptions import InfeasibleError, InputError, UnknownNameError
-from pivotgait.gaits import PhaseDone, plan_gait
-from pivotgait.models import Scene, builtin_scenes, export_scene, load_scene, parse_scene
+from pivotgait.gaits import PhaseDone, PosturesFound, plan_gait
+from pivotgait.models import (
+    PhaseConfig,
+    RelocationPhase,
+    Scene,
+    builtin_scenes,
+    export_scene,
+    load_scene,
+    parse_scene,
+)
 from pivotgait.plans import GaitPlan, write_plan
 
 SCENES = pytest.mark.parametrize("name", builtin_scenes())
 
 
 @cache
-def planned(name: str) -> tuple[Scene, GaitPlan, tuple[PhaseDone, ...]]:
+def planned(name: str) -> tuple[Scene, GaitPlan, tuple[PhaseDone | PosturesFound, ...]]:
     scene = load_scene(name)
-    news: list[PhaseDone] = []
-    plan = plan_gait(scene, seed=3, progress=news.append)
+    news: list[PhaseDone | PosturesFound] = []
+    plan = plan_gait(scene, seed=3, hand=False, progress=news.append)
     return scene, plan, tuple(news)
+
+
+def felt_by_the_tool(scene: Scene) -> list[PhaseConfig]:
+    """The gait's phases without relocations, during which the tool rests in the same grasp."""
+    return [each for each in scene.gaits["default"] if not isinstance(each, RelocationPhase)]
 
 
 @SCENES
@@ -35,7 +48,7 @@ def test_plan_of_every_built_in_scene_certifies(name: str) -> None:
 @SCENES
 def test_plan_follows_its_scene(name: str) -> None:
     scene, plan, _ = planned(name)
-    configs = scene.gaits["default"]
+    configs = felt_by_the_tool(scene)
     assert [phase.kind for phase in plan.phases] == [config.kind for config in configs]
     for place, (phase, config) in enumerate(zip(plan.phases, configs, strict=True)):
         assert phase.name == f"{place:02d}_{config.kind}"
@@ -45,6 +58,8 @@ def test_plan_follows_its_scene(name: str) -> None:
     assert plan.seed == 3
     assert plan.tool.mass == scene.tool.mass
     assert plan.certificate is None
+    assert plan.robot is None
+    assert all(phase.robot is None for phase in plan.phases)
     assert {"pivotgait", "numpy", "casadi", "clarabel"} <= set(plan.versions)
 
 
@@ -63,6 +78,7 @@ def test_phases_join(name: str) -> None:
 @SCENES
 def test_progress_is_told_once_per_phase(name: str) -> None:
     _, plan, news = planned(name)
+    assert all(isinstance(each, PhaseDone) for each in news)  # no hand, no postures
     assert [each.place for each in news] == list(range(len(plan.phases)))
     assert all(each.count == len(plan.phases) for each in news)
     assert all(each.phase is phase for each, phase in zip(news, plan.phases, strict=True))
@@ -73,14 +89,14 @@ def test_progress_is_told_once_per_phase(name: str) -> None:
 def test_same_seed_gives_the_same_bytes(name: str, tmp_path: Path) -> None:
     scene, plan, _ = planned(name)
     write_plan(plan, tmp_path / "first.h5")
-    write_plan(plan_gait(scene, seed=3), tmp_path / "second.h5")
+    write_plan(plan_gait(scene, seed=3, hand=False), tmp_path / "second.h5")
     assert (tmp_path / "first.h5").read_bytes() == (tmp_path / "second.h5").read_bytes()
 
 
 def test_heading_of_the_scene_changes_nothing_but_the_heading() -> None:
     _, straight, _ = planned("screwdriver")
     text = export_scene("screwdriver").replace("yaw_deg: 0\n", "yaw_deg: -50\n")
-    turned = plan_gait(parse_scene(text))
+    turned = plan_gait(parse_scene(text), hand=False)
     assert certify(turned).valid
     for here, there in zip(straight.phases, turned.phases, strict=True):
         # two runs of converged solvers in two frames

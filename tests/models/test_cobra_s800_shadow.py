@@ -214,7 +214,7 @@ def test_flange_in_the_arm_base(
 def test_mounting_of_arm_and_hand(model: pin.Model) -> None:
     q = pin.neutral(model)
     base = placement(model, q, "arm_base", "pedestal")
-    np.testing.assert_array_equal(base.translation, (0.0, 0.0, 0.25))
+    np.testing.assert_array_equal(base.translation, (0.0, 0.0, 0.17))
     forearm = placement(model, q, "forearm", "flange")
     np.testing.assert_allclose(forearm.translation, (0, 0, 0.046), rtol=0, atol=1e-15)
     tilt = Rotation.from_euler("x", -30, degrees=True).as_matrix()
@@ -231,7 +231,7 @@ def test_a_closing_hand_reaches_down_to_the_table(tilt: float) -> None:
     text = text.replace("-0.5235987755982988", repr(tilt))
     model = pin.buildModelFromXML(text)
     shapes = pin.buildGeomFromUrdfString(model, text, pin.GeometryType.COLLISION)
-    for stroke, low, high in ((0.0, 0.20, 0.27), (0.20, 0.0, 0.07)):
+    for stroke, low, high in ((0.0, 0.14, 0.18), (0.12, 0.02, 0.06)):
         q = posture(model, "Q1", J3=stroke)
         data = model.createData()
         pin.framesForwardKinematics(model, data, q)

@@ -53,7 +53,7 @@ def test_package_works_from_the_wheel_alone(wheel: Path, tmp_path: Path) -> None
     zipfile.ZipFile(wheel).extractall(tmp_path)
     code = "from pivotgait.cli import main; main()"
     answer = subprocess.run(
-        [sys.executable, "-c", code, "plan", "knife", "-o", "plan.h5", "--json"],
+        [sys.executable, "-c", code, "plan", "knife", "--no-hand", "-o", "plan.h5", "--json"],
         cwd=tmp_path,
         env={"PYTHONPATH": str(tmp_path), "PATH": ""},
         capture_output=True,

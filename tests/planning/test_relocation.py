@@ -198,28 +198,33 @@ def test_a_contact_that_cannot_be_left_outward(first_contact: RelocationProblem)
         plan.require()
 
 
+def curled(problem: RelocationProblem, **options: float) -> RelocationProblem:
+    """The middle finger curled up between palm and handle, inside the ring of the others."""
+    start = problem.start.copy()
+    start[list(problem.robot.fingers["middle"].columns)] = (-0.33, 1.52, 0.11, 0.01)
+    return replace(problem, start=start, options=RelocationOptions(**options))
+
+
+def test_a_finger_gets_out_of_the_ring(first_contact: RelocationProblem) -> None:
+    problem = curled(first_contact)
+    solved = Solved(problem, plan_relocation(problem, np.random.default_rng(SEED)))
+    test_holding_tips_stay(solved)
+    test_limits(solved)
+    test_nothing_comes_nearer_than_the_clearance(solved)
+
+
 def test_a_search_that_fails_leaves_its_record(first_contact: RelocationProblem) -> None:
-    start = first_contact.start.copy()
-    columns = first_contact.robot.fingers["middle"].columns
-    # Curled up between palm and handle, inside the ring of thumb, tool and index.
-    start[list(columns)] = (-0.33, 1.52, 0.11, 0.01)
-    options = RelocationOptions(time_limit_s=0.2)
-    plan = plan_relocation(
-        replace(first_contact, start=start, options=options), np.random.default_rng(0)
-    )
+    plan = plan_relocation(curled(first_contact, max_nodes=30), np.random.default_rng(0))
     assert not plan.found
     assert plan.trajectory is None
-    assert "time limit" in plan.failure
+    assert "search: node limit" in plan.failure
     assert "binds" in plan.failure
-    assert min(plan.nodes) >= 1
+    assert min(plan.nodes) > 1
     assert plan.iterations > 0
     assert plan.nearest > 0.0
     assert plan.summary()["failure"] == plan.failure
-    few = replace(options, max_nodes=1, time_limit_s=5.0)
-    plan = plan_relocation(
-        replace(first_contact, start=start, options=few), np.random.default_rng(0)
-    )
-    assert "node limit" in plan.failure
+    plan = plan_relocation(curled(first_contact, time_limit_s=1e-9), np.random.default_rng(0))
+    assert "search: time limit, collision binds" in plan.failure
 
 
 @pytest.mark.parametrize("name", ["start", "goal"])

@@ -11,6 +11,7 @@ from pivotgait.plotting.posture import skeleton
 from pivotgait.reporting import Picture, render_report
 from pivotgait.reporting.figures import draw_figures
 from pivotgait.reporting.robot_rows import clearance, robot_headline, robot_rows
+from pivotgait.reporting.rows import violation_rows
 from pivotgait.reporting.summary import PhaseSummary
 
 
@@ -55,6 +56,13 @@ def test_clearance_stands_beside_its_limit(certified, certificate):
     assert words(found.value) == "2.34 mm"
     assert words(found.limit) == "limit ≥ 1 mm, 03_removal"
     assert clearance(certificate).value == "–"
+
+
+def test_a_violation_of_the_robot_names_its_part(certificate):
+    place = {"phase": "03_removal", "contact": "", "time_s": 0.5, "part": "WRJ1"}
+    broken = {"what": "joint_speed", "value": 1.2, "limit": 1.0, **place}
+    (row,) = violation_rows({**certificate, "violations": [broken]})
+    assert words(row.where) == "03_removal, WRJ1, 0.5 s"
 
 
 def test_the_page_tells_the_arm_and_hand(robot_plan, certified, figures):
