@@ -11,8 +11,9 @@ search find postures for the whole sequence of key poses?
 * **Check**: the same search on the arm as it would be built, for the chosen mounting, for a
   pedestal above all that the shift allows, and for the tilts next to the chosen one.
 * **Place**: a SCARA arm puts the flange at any x, y and yaw, so a posture found is carried with
-  the tool to another distance and yaw, with both elbows, and checked again. Distance and yaw
-  count from the grasp; J1 turns the rest, within its limits.
+  the tool to another distance and yaw, with both elbows, and checked again for limits and
+  clearances, but not for its conditioning. Distance and yaw count from the grasp; J1 turns the
+  rest, within its limits.
 
 More tilt needs a longer wedge, so that the rim of the forearm's plate clears the flange, and
 swings more mass about J4, which the arm's maker limits. Both enter.
@@ -483,12 +484,17 @@ def mounting_map(
 ) -> MountingMap:
     """The figure's panels of one scene, heights by tilts."""
     cells = [[row[place].cells[i] for row in rows.values()] for i in range(len(HEIGHT_M))]
+
+    def grid(attribute: str) -> Array:
+        return np.array([[getattr(each, attribute) for each in line] for line in cells])
+
     return MountingMap(
         name,
         np.array(list(rows)),
         1e3 * HEIGHT_M,
-        np.array([[each.found / starts for each in line] for line in cells]),
-        np.array([[1e3 * each.singular_value_m for each in line] for line in cells]),
+        grid("found") / starts,
+        1e3 * grid("stroke_m"),
+        1e3 * grid("singular_value_m"),
     )
 
 
@@ -513,7 +519,7 @@ def tell(console: Console, result: dict[str, Any]) -> None:
         table.add_row(*numbers, *scenes, span(row["common_heights_m"]))
     console.print(table)
     table = Table(title="Searched on the arm as built")
-    for head in ("tilt [deg]", "pedestal [m]", "scene", "found", "95 %", "best H", "best gap"):
+    for head in ("tilt [deg]", "pedestal [m]", "scene", "found", "95 %", "best H", "clearance"):
         table.add_column(head, justify="right")
     for row in result["checks"]:
         for name, each in row["scenes"].items():
@@ -524,8 +530,8 @@ def tell(console: Console, result: dict[str, Any]) -> None:
                 name,
                 f"{each['found']} / {each['starts']}",
                 f"{low:.0%}-{high:.0%}",
-                f"{1e3 * each['best_singular_value_m']:.2f} mm",
-                f"{1e3 * each['best_clearance_m']:.2f} mm",
+                millimetres(each["best_singular_value_m"]),
+                millimetres(each["best_clearance_m"]),
             )
     console.print(table)
     console.print(answer(result))
@@ -537,6 +543,11 @@ def span(heights: Sequence[float]) -> str:
     return f"{low:.2f}-{high:.2f} m" if np.isfinite(low) else "-"
 
 
+def millimetres(length_m: float) -> str:
+    """A length as text, a dash if there is none."""
+    return f"{1e3 * length_m:.2f} mm" if np.isfinite(length_m) else "-"
+
+
 def answer(result: dict[str, Any]) -> str:
     """Which choice follows, and why."""
     able = [row for row in result["tilts"] if np.isfinite(row["common_heights_m"][0])]
@@ -546,6 +557,9 @@ def answer(result: dict[str, Any]) -> str:
     light = [row for row in able if row["tilt_deg"] <= limit]
     text = "Pedestals with postures in both scenes exist at " + listed(able)
     text += f"; the inertia about J4 allows {limit:.1f} deg, which leaves {listed(light)}. "
+    best = max(result["checks"], key=fewest)
+    text += f"Of those searched as built, {best['tilt_deg']:g} deg, {best['height_m']:g} m finds "
+    text += "most where it finds least. "
     text += f"Chosen: {chosen['tilt_deg']:g} deg, {chosen['height_m']:g} m."
     for name, each in result["places"].items():
         radii = each["every_yaw_m"]
@@ -553,6 +567,11 @@ def answer(result: dict[str, Any]) -> str:
         text += f" {name}: grasp {each['own']['radius_m']:.2f} m from J1; at every yaw a posture "
         text += f"can be carried to {where}."
     return text
+
+
+def fewest(check: Mapping[str, Any]) -> int:
+    """Postures found in the scene with the fewest."""
+    return min(int(each["found"]) for each in check["scenes"].values())
 
 
 def listed(rows: Sequence[dict[str, Any]]) -> str:

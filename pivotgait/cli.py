@@ -23,7 +23,7 @@ app = typer.Typer(
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
-Seed = Annotated[int, typer.Option(min=0, help="Seed of the random generator.")]
+Seed = Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Seed of the random generator.")]
 Gait = Annotated[str | None, typer.Option(help="Which of the scene's gaits; else the first.")]
 Hand = Annotated[
     bool,

@@ -5,19 +5,23 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from pivotgait.frozen import Array
-from pivotgait.kinematics import project, resolve
+from pivotgait.kinematics import RigidMotion, differentiate, project
 from pivotgait.planning.manifold import TOLERANCE, Manifold
 from pivotgait.planning.smoothing import SmoothPath
 from pivotgait.planning.trajectory import JointTrajectory
+from pivotgait.plans import ToolMotion
 
 GRID = 400
 """Moments at which a motion of unit length is looked at for its limits."""
-SAMPLE_TOLERANCE = 1e-9
-"""Of eq. (9) at samples [m]."""
-ROUNDS = 4
-"""Of slowing down, when corrections on the manifold have raised speeds."""
+SAMPLE_TOLERANCE = 1e-12
+"""Of eq. (9) at samples [m]: what is left of it makes the speeds rough."""
+ROUNDING = 5e-10
+"""Of positions [rad], [m] and speeds."""
+ROUNDS = 8
+"""Of slowing down, when corrections on the manifold have raised speeds, and of denser samples."""
 
 
 def time_law(tau: Array) -> tuple[Array, Array, Array]:
@@ -50,13 +54,13 @@ def time_path(
 ) -> JointTrajectory | None:
     """Sample a path so that speeds and accelerations stay below shares of the robot's limits.
 
-    Every sample is projected on eq. (9); v and a are the nearest to the curve's own that lie on
-    its tangent: A v = b and A a = db/dt - dA/dt v.
+    Every sample is projected on eq. (9); v and a follow from the samples by
+    :func:`pivotgait.kinematics.differentiate`.
 
     Args:
         manifold: of the problem.
         path: smooth, on the manifold at its nodes.
-        sample_s: time between samples [s].
+        sample_s: time between samples [s]; halved while the curve turns between two.
         shares: of speed and acceleration limits to use.
 
     Returns:
@@ -71,10 +75,28 @@ def time_path(
         if timed is None:
             return None
         excess = max(timed.speed_share / shares[0], timed.acceleration_share / shares[1])
-        if excess <= 1.0:
+        if excess > 1.0:
+            duration = count * sample_s * max(excess**0.5, excess, 1.0 + 1e-3)
+        elif not _resolved(timed):
+            sample_s *= 0.5
+        else:
             return replace(timed, drift=_drift(manifold, timed.q, timed.s))
-        duration = count * sample_s * max(excess**0.5, excess, 1.0 + 1e-3)
     return None
+
+
+def _resolved(timed: JointTrajectory) -> bool:
+    """Whether the samples are dense enough for the curve: the trapezoid rule joins q, v and a.
+
+    Over a step h it is off by h^2 |da| / 8 and h |da| / 2 at most where a changes by da within a
+    step; more means that the curve turns between samples.
+    """
+    h = float(timed.time[1] - timed.time[0])
+    jump = np.pad(np.abs(np.diff(timed.a, axis=0)), ((1, 1), (0, 0)), mode="edge")
+    jump = jump[:-2] + jump[1:-1] + jump[2:]
+    step = np.abs(np.diff(timed.q, axis=0) - 0.5 * h * (timed.v[:-1] + timed.v[1:]))
+    rate = np.abs(np.diff(timed.v, axis=0) - 0.5 * h * (timed.a[:-1] + timed.a[1:]))
+    step_allowed, rate_allowed = h**2 * jump / 8.0 + ROUNDING, 0.5 * h * jump + ROUNDING
+    return bool(np.all(step <= step_allowed) and np.all(rate <= rate_allowed))
 
 
 def _sample(
@@ -85,17 +107,13 @@ def _sample(
     tau = np.arange(count + 1) / count
     u, rate, change = time_law(tau)
     rate, change = rate / duration, change / duration**2
-    (q, s), (q_1, s_1), (q_2, s_2) = (path(u, order) for order in range(3))
+    (q, s), (_, s_1), (_, s_2) = (path(u, order) for order in range(3))
     s = np.clip(s, 0.0, 1.0)
-    v = q_1 * rate[:, None]
-    a = q_2 * rate[:, None] ** 2 + q_1 * change[:, None]
     s_rate, s_change = s_1 * rate, s_2 * rate**2 + s_1 * change
-    poses, twists, at_rest = [], [], np.zeros(manifold.chain.rows)
+    poses, moving = [], []
     for k in range(count + 1):
         pose = tool.pose(float(s[k]))
-        moving = tool.motion(float(s[k]), float(s_rate[k]), float(s_change[k]))
-        velocity = moving.linear_velocity, moving.angular_velocity
-        twist = *velocity, moving.linear_acceleration, moving.angular_acceleration
+        moving.append(tool.motion(float(s[k]), float(s_rate[k]), float(s_change[k])))
         found = project(
             manifold.chain, q[k], *pose, tolerance=SAMPLE_TOLERANCE, weights=manifold.metric
         )
@@ -103,30 +121,34 @@ def _sample(
             manifold.counts.projection += 1
             return None
         q[k] = found.q
-        rates = manifold.chain.target_rate(*velocity) if tool.moves else at_rest
-        v[k] = resolve(manifold.chain, rates, v[k], weights=manifold.metric)
-        bias = manifold.chain.bias(v[k], *twist)
-        a[k] = resolve(manifold.chain, bias, a[k], weights=manifold.metric)
         poses.append(pose)
-        twists.append(twist)
     if not robot.within_limits(q, slack=1e-9):
         manifold.counts.limit += 1
         return None
+    time = np.linspace(0.0, duration, count + 1)
+    motion = _tool_motion(poses, moving)
+    v, a = differentiate(manifold.chain, time, motion, q, weights=manifold.metric)
     return JointTrajectory(
-        time=np.linspace(0.0, duration, count + 1),
+        time=time,
         q=q,
         v=v,
         a=a,
         s=s,
-        oRtool=np.array([pose[0] for pose in poses]),
-        position=np.array([pose[1] for pose in poses]),
-        linear_velocity=np.array([twist[0] for twist in twists]),
-        angular_velocity=np.array([twist[1] for twist in twists]),
-        linear_acceleration=np.array([twist[2] for twist in twists]),
-        angular_acceleration=np.array([twist[3] for twist in twists]),
+        tool=motion,
         speed_share=float((np.abs(v) / robot.velocity_max).max()),
         acceleration_share=float((np.abs(a) / robot.acceleration_max).max()),
         drift=np.inf,
+    )
+
+
+def _tool_motion(poses: list[tuple[Array, Array]], moving: list[RigidMotion]) -> ToolMotion:
+    return ToolMotion(
+        position=np.array([position for _, position in poses]),
+        orientation=Rotation.from_matrix([turn for turn, _ in poses]).as_quat(canonical=True),
+        linear_velocity=np.array([each.linear_velocity for each in moving]),
+        angular_velocity=np.array([each.angular_velocity for each in moving]),
+        linear_acceleration=np.array([each.linear_acceleration for each in moving]),
+        angular_acceleration=np.array([each.angular_acceleration for each in moving]),
     )
 
 

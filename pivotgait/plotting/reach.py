@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from pivotgait.frozen import Array, FrozenArrays
 from pivotgait.plotting.style import COLUMN_WIDTH, LIMIT_COLOUR, new_figure, styled
@@ -33,13 +33,15 @@ class MountingMap(FrozenArrays):
         tilt_deg: (n,) ascending.
         height_mm: (m,) ascending.
         share: (m, n) of the starts that end in postures.
-        singular_value_mm: (m, n) the best of them; NaN without any.
+        stroke_mm: (m, n) farthest that one of them keeps J3 from its ends; NaN without any.
+        singular_value_mm: (m, n) of the best conditioned; NaN without any.
     """
 
     scene: str
     tilt_deg: Array
     height_mm: Array
     share: Array
+    stroke_mm: Array
     singular_value_mm: Array
 
 
@@ -66,40 +68,38 @@ class PlaceMap(FrozenArrays):
 def mounting_maps(
     maps: Sequence[MountingMap], *, own: tuple[float, float], tilt_max_deg: float
 ) -> Any:
-    """Above: share of starts that end in postures. Below: how well conditioned the best is.
+    """From above: share of starts that end in postures, room of J3, conditioning of the best.
 
     Args:
         maps: one scene per column.
         own: the chosen tilt [deg] and height [mm].
         tilt_max_deg: beyond it the last joint of the arm carries too much inertia.
     """
-    figure = new_figure(COLUMN_WIDTH, 4.1)
-    axes = figure.subplots(2, len(maps), sharex=True, sharey=True, squeeze=False)
+    figure = new_figure(COLUMN_WIDTH, 5.0)
     rows = [
         ("share of starts [%]", "YlGnBu", [100.0 * each.share for each in maps]),
+        ("J3 from its ends [mm]", "YlGn", [each.stroke_mm for each in maps]),
         ("best $\\sigma_{\\min}(H)$ [mm]", "YlOrBr", [each.singular_value_mm for each in maps]),
     ]
+    axes = figure.subplots(len(rows), len(maps), sharex=True, sharey=True, squeeze=False)
     for panels, (name, colours, grids) in zip(axes, rows, strict=True):
         shown = [np.ma.masked_where(~(g > 0.0), g) for g in grids]
-        top = max((float(g.max()) for g in shown if g.count()), default=1.0)
+        top = _ceiling(max((float(g.max()) for g in shown if g.count()), default=1.0))
         for axis, each, grid in zip(panels, maps, shown, strict=True):
             mesh = _cells(axis, each.tilt_deg, each.height_mm, grid, colours, top)
-            axis.axvline(tilt_max_deg, color=LIMIT_COLOUR, lw=0.9, ls=(0, (4, 2)))
+            limit = axis.axvline(tilt_max_deg, color=LIMIT_COLOUR, lw=0.9, ls=(0, (4, 2)))
             axis.plot(*own, **_OWN)
-        bar = figure.colorbar(mesh, ax=panels, aspect=18, pad=0.02)
+        bar = figure.colorbar(mesh, ax=panels, aspect=14, pad=0.02)
         bar.set_label(name)
-        bar.locator = MaxNLocator(5)
+        bar.locator = MaxNLocator(4)
         bar.update_ticks()
     for column, each in enumerate(maps):
         axes[0, column].set_title(each.scene)
-        axes[1, column].set_xlabel("tilt [deg]")
-        axes[1, column].xaxis.set_major_locator(MaxNLocator(4))
+        axes[-1, column].set_xlabel("tilt [deg]")
+        axes[-1, column].xaxis.set_major_locator(MultipleLocator(15))
     for axis in axes[:, 0]:
         axis.set_ylabel("pedestal [mm]")
-    place = (tilt_max_deg, float(maps[0].height_mm[-1]))
-    style = {"fontsize": 7, "va": "top", "rotation": 90, "xytext": (2, -1)}
-    axes[0, 0].annotate("J4 inertia", place, textcoords="offset points", **style)
-    _legend(figure, axes[0, 0], "chosen", "no posture found")
+    _legend(figure, axes[0, 0], "chosen", "no posture", {"J4's limit of inertia": limit})
     return figure
 
 
@@ -137,8 +137,19 @@ def _cells(axis: Any, across: Array, up: Array, grid: Any, colours: str, top: fl
     return mesh
 
 
-def _legend(figure: Any, axis: Any, own: str, none: str) -> None:
+def _ceiling(value: float) -> float:
+    """The next round number, a few of which lie in every power of ten."""
+    power = 10.0 ** np.floor(np.log10(value))
+    steps = np.array([1.0, 1.2, 1.6, 2.0, 2.4, 3.0, 4.0, 6.0, 8.0, 10.0])
+    return float(power * steps[np.argmax(steps >= value / power - 1e-9)])
+
+
+def _legend(
+    figure: Any, axis: Any, own: str, none: str, others: Mapping[str, Any] | None = None
+) -> None:
     marker = axis.plot([], [], **_OWN)[0]
     patch = axis.plot([], [], "s", color=_NONE, ms=7, mec="#B0B0B0", mew=0.6)[0]
-    place = {"loc": "outside lower left", "ncols": 2, "frameon": False}
-    figure.legend([marker, patch], [own, none], handletextpad=0.4, **place)
+    entries = {own: marker, none: patch, **(others or {})}
+    place = {"loc": "outside lower left", "ncols": len(entries), "frameon": False}
+    spaces = {"handletextpad": 0.4, "handlelength": 1.6, "columnspacing": 1.2}
+    figure.legend(list(entries.values()), list(entries), **place, **spaces)

@@ -15,6 +15,7 @@ import pinocchio as pin
 import pytest
 
 from pivotgait.models import load_scene
+from pivotgait.plotting.reach import MountingMap, mounting_maps
 
 STUDY = Path(__file__).parents[2] / "analysis" / "03_reach_of_the_mounted_hand.py"
 
@@ -154,6 +155,22 @@ def test_the_interval_holds_the_share(study, found, starts):
     assert found / starts - 1e-12 <= high <= 1.0 + 1e-12
     wider = study.Search(4 * starts, tuple(range(4 * found)), Counter()).interval
     assert wider[1] - wider[0] < high - low
+
+
+@pytest.mark.parametrize("best", [0.0, 0.004, 0.07, 0.99])
+def test_the_maps_show_every_share_and_no_cell_without_posture(best):
+    share = np.array([[0.0, best, 0.0], [best / 2.0, 0.0, best]])
+    worth = np.where(share > 0.0, 20.0 * share + 1.0, np.nan)
+    tilts, heights = np.array([0.0, 30.0, 60.0]), np.array([100.0, 200.0])
+    maps = [MountingMap(name, tilts, heights, share, worth, worth) for name in ("a", "b")]
+    figure = mounting_maps(maps, own=(30.0, 170.0), tilt_max_deg=40.0)
+    panels = [each for each in figure.axes if each.get_ylabel() == "pedestal [mm]"]
+    assert len(panels) == 3
+    for panel in panels:
+        (mesh,) = [each for each in panel.collections if each.get_array() is not None]
+        shown = mesh.get_array()
+        assert shown.count() == np.count_nonzero(share)
+        assert not shown.count() or shown.max() <= mesh.get_clim()[1] * (1.0 + 1e-9)
 
 
 @pytest.mark.slow

@@ -223,6 +223,16 @@ def test_mounting_of_arm_and_hand(model: pin.Model) -> None:
     assert -palm[2, 1] == pytest.approx(-0.5), "the palm looks 30 deg down"
 
 
+def test_mounting_is_what_the_readme_says() -> None:
+    readme = (FOLDER / "README.md").read_text()
+    joints = read_urdf(PATH).joints
+    (tilt,) = re.findall(r"^\| tilt of the hand \| ([0-9.]+)°", readme, re.MULTILINE)
+    turn = Rotation.from_matrix(joints["forearm_mount"].rotation).as_rotvec(degrees=True)
+    np.testing.assert_allclose(turn, (-float(tilt), 0.0, 0.0), rtol=0, atol=1e-9)
+    (height,) = re.findall(r"^\| height of the pedestal \| ([0-9.]+) m", readme, re.MULTILINE)
+    assert joints["pedestal_mount"].translation[2] == float(height)
+
+
 @pytest.mark.parametrize("tilt", [0.0, -math.pi / 6])
 def test_a_closing_hand_reaches_down_to_the_table(tilt: float) -> None:
     text = PATH.read_text()
