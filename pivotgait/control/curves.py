@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from math import factorial
+
 import numpy as np
-from scipy.interpolate import PPoly, make_interp_spline
+from scipy.interpolate import make_interp_spline
 
 from pivotgait.frozen import Array, frozen
 
@@ -16,18 +18,17 @@ def quintic_spline(time: Array, values: Array, rates: Array, accelerations: Arra
     Args:
         time: (N,) increasing [s], N > 1.
         values: (N, C) samples.
-        rates: (2, C) first derivatives at both ends.
-        accelerations: (2, C) second derivatives at both ends.
+        rates: (N, C) first derivatives; those at both ends are used.
+        accelerations: (N, C) second derivatives; those at both ends are used.
 
     Returns:
         (N - 1, 6, C) coefficients in powers of the time since the step's start, low ones first.
     """
     ends = [[(1, rates[k]), (2, accelerations[k])] for k in (0, -1)]
     spline = make_interp_spline(time, values, k=DEGREE, bc_type=(ends[0], ends[1]))
-    powers = PPoly.from_spline(spline).c
-    # The knots at both ends are repeated: their steps have no length.
-    inner = powers[:, DEGREE : DEGREE + len(time) - 1]
-    return np.ascontiguousarray(np.moveaxis(inner[::-1], 0, 1))
+    starts = np.asarray(time, dtype=float)[:-1]
+    powers = [spline(starts, nu=order) / factorial(order) for order in range(DEGREE + 1)]
+    return np.stack(powers, axis=1)
 
 
 def polygon(time: Array, values: Array) -> Array:

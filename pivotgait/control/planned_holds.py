@@ -32,7 +32,8 @@ def planned_holds(plan: GaitPlan, robot: Robot) -> tuple[tuple[Hold, ...], ...]:
     for phase in plan.phases:
         names = holding_fingers(phase, robot)
         lasting = {
-            name: lasting.get(name) or _hold(robot, data, phase, phase.contacts[name])
+            name: _lasting(lasting.get(name), phase.contacts[name])
+            or _hold(robot, data, phase, phase.contacts[name])
             for name in names
         }
         found.append(tuple(lasting.values()))
@@ -50,6 +51,14 @@ def holding_fingers(phase: Phase, robot: Robot) -> tuple[str, ...]:
             raise UnknownNameError("finger", name, robot.fingers, where=f"phase {phase.name}")
     moving = phase.finger if phase.kind == "relocation" else ""
     return tuple(name for name in robot.fingers if name in phase.contacts and name != moving)
+
+
+def _lasting(hold: Hold | None, contact: ContactTrack) -> Hold | None:
+    """The hold, if it is still at this contact."""
+    if hold is None:
+        return None
+    centre = contact.point - hold.finger.tip_radius * contact.normal
+    return hold if np.allclose(hold.centre, centre, rtol=0.0, atol=1e-9) else None
 
 
 def _hold(robot: Robot, data: pin.Data, phase: Phase, contact: ContactTrack) -> Hold:

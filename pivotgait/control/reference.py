@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from pivotgait.control.curves import Curves, polygon, quintic_spline
 from pivotgait.control.planned_holds import planned_holds
+from pivotgait.control.tool_state import ToolState
+from pivotgait.control.turning import quaternion_curve, turning
 from pivotgait.exceptions import InputError
 from pivotgait.frozen import Array
 from pivotgait.kinematics import Hold
@@ -21,33 +22,12 @@ _TOOL = 7
 """Channels of the tool: position and quaternion."""
 
 
-@dataclass(frozen=True, eq=False)
-class ToolState:
-    """The planned tool at one time, in world axes.
-
-    Attributes:
-        position: (3,) centre of mass [m].
-        rotation: (3, 3) world <- tool.
-        linear_velocity: (3,) of the centre of mass [m/s].
-        angular_velocity: (3,) [rad/s].
-        linear_acceleration: (3,) [m/s^2].
-        angular_acceleration: (3,) [rad/s^2].
-    """
-
-    position: Array
-    rotation: Array
-    linear_velocity: Array
-    angular_velocity: Array
-    linear_acceleration: Array
-    angular_acceleration: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Instant:
+class Instant(NamedTuple):
     """The plan at one time.
 
     Attributes:
         phase: index of the phase.
+        time_in_phase: since its start [s].
         tool: planned.
         q: (n,) planned joint positions [rad] or [m].
         v: (n,) [rad/s] or [m/s].
@@ -57,6 +37,7 @@ class Instant:
     """
 
     phase: int
+    time_in_phase: float
     tool: ToolState
     q: Array
     v: Array
@@ -88,13 +69,15 @@ class PhaseReference:
         self.index, self.name, self.start = index, samples.name, start
         self.samples, self.motion, self.holds = samples, motion, tuple(holds)
         self.duration = samples.duration_s
+        tool = samples.tool
         self._joints = slice(_TOOL, _TOOL + motion.q.shape[1])
         self._curves = Curves(
             samples.time,
-            _smooth(samples.time, samples.tool.position, samples.tool.linear_velocity,
-                    samples.tool.linear_acceleration),
-            _turning(samples),
-            _smooth(samples.time, motion.q, motion.v, motion.a),
+            quintic_spline(
+                samples.time, tool.position, tool.linear_velocity, tool.linear_acceleration
+            ),
+            quaternion_curve(samples.time, tool),
+            quintic_spline(samples.time, motion.q, motion.v, motion.a),
             polygon(samples.time, self._forces_in_tool()),
         )
 
@@ -112,6 +95,7 @@ class PhaseReference:
         joints = values[:, self._joints]
         return Instant(
             phase=self.index,
+            time_in_phase=time,
             tool=_tool_state(values),
             q=joints[0],
             v=joints[1],
@@ -176,3 +160,37 @@ class Reference:
         """The plan at ``time`` [s] from its start."""
         phase = self.phase_at(time)
         return phase.at(time - phase.start)
+
+
+def _tool_state(curves: Array) -> ToolState:
+    rotation, angular_velocity, angular_acceleration = turning(curves[:, 3:_TOOL])
+    return ToolState(
+        position=curves[0, :3],
+        rotation=rotation,
+        linear_velocity=curves[1, :3],
+        angular_velocity=angular_velocity,
+        linear_acceleration=curves[2, :3],
+        angular_acceleration=angular_acceleration,
+    )
+
+
+def _motions(plan: GaitPlan, robot: Robot) -> list[RobotMotion]:
+    """The joint motions of all phases, of this robot.
+
+    Raises:
+        InputError: where joints differ or a phase has no motion of the arm-hand.
+    """
+    if plan.robot is None or plan.robot.joint_names != robot.joint_names:
+        raise InputError(
+            "the plan's arm-hand is not the robot's: its joints differ",
+            where="plan",
+            mend="plan again with this robot",
+        )
+    motions = [phase.robot for phase in plan.phases if phase.robot is not None]
+    if len(motions) < len(plan.phases):
+        raise InputError(
+            "a phase has no motion of the arm-hand",
+            where="plan",
+            mend="plan all phases with the robot",
+        )
+    return motions

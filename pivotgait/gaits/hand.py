@@ -12,13 +12,14 @@ from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from pivotgait.exceptions import InfeasibleError
 from pivotgait.frozen import Array
 from pivotgait.gaits.itinerary import Itinerary, contacts_left
 from pivotgait.gaits.steps import Step
 from pivotgait.kinematics import Hold
-from pivotgait.models import HandleContact, RelocationPhase, Robot
+from pivotgait.models import HandleContact, RelocationPhase, Robot, Scene
 from pivotgait.phases.grasp import Setting
 from pivotgait.phases.relocation import relocation_phase
 from pivotgait.phases.tracking import JointMotion, Untracked, Waypoints, track, with_torques
@@ -235,17 +236,15 @@ class HandPlanner:
         scene, config, grasp = self._setting.scene, step.config, step.before
         assert isinstance(config, RelocationPhase)
         contact, left = scene.contacts[config.contact], self._left.get(step.name)
-        place = scene.centre_of_mass(grasp.rotation)
-        problem = RelocationProblem(
-            robot=self._robot,
-            world=self.world,
-            holds=tuple(_holds(postures, grasp.fingers.values())),
-            finger=contact.finger,
+        problem = relocation_problem(
+            scene,
+            self.world,
+            grasp.rotation,
+            _holds(postures, grasp.fingers.values()),
+            contact,
             start=start,
             goal=goal,
-            tool=PivotingTool.resting(grasp.rotation.as_matrix(), place),
-            start_normal=None if left is None else left.normal,
-            goal_normal=contact.normal,
+            left=left,
             options=replace(self.options.relocation, sample_s=config.sample_s),
         )
         result = plan_relocation(problem, self._rng)
@@ -263,6 +262,48 @@ class HandPlanner:
         }
         robot = with_torques(self._robot, motion, phase.contacts, phase.tool)
         return replace(phase, robot=robot, record=record)
+
+
+def relocation_problem(
+    scene: Scene,
+    world: CollisionWorld,
+    rotation: Rotation,
+    holds: Sequence[Hold],
+    contact: HandleContact,
+    *,
+    start: Array,
+    goal: Array,
+    left: HandleContact | None = None,
+    options: RelocationOptions | None = None,
+) -> RelocationProblem:
+    """The problem of bringing a finger to a contact while the tool rests on its pivot.
+
+    Args:
+        scene: whose tool rests.
+        world: of the scene's robot, without exemptions.
+        rotation: of the tool, world <- tool.
+        holds: of the fingers that hold it.
+        contact: to which its finger goes.
+        start: (nv,) joint positions, at the holds.
+        goal: (nv,) joint positions, at the holds and the contact.
+        left: the contact the finger still is at; None if it starts in the air.
+        options: of the search.
+
+    Raises:
+        InputError: for positions of a wrong shape or not finite, or a finger that holds.
+    """
+    return RelocationProblem(
+        robot=world.robot,
+        world=world,
+        holds=tuple(holds),
+        finger=contact.finger,
+        start=start,
+        goal=goal,
+        tool=PivotingTool.resting(rotation.as_matrix(), scene.centre_of_mass(rotation)),
+        start_normal=None if left is None else left.normal,
+        goal_normal=contact.normal,
+        options=options or RelocationOptions(),
+    )
 
 
 def _holds(postures: Postures, contacts: Iterable[HandleContact]) -> list[Hold]:

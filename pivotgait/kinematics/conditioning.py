@@ -72,6 +72,7 @@ class TaskJacobian:
         chain: rows of the holding fingers.
         palm: the palm's six local coordinates.
         candidates: every admissible choice of palm rows.
+        idle_columns: joints of the fingers that do not hold, in the order of their rows.
     """
 
     def __init__(
@@ -107,8 +108,8 @@ class TaskJacobian:
             toolRtarget=np.eye(3) if palm_target is None else palm_target,
             centre=np.zeros(3),
         )
-        self._idle = _idle_columns(robot, holds)
-        self.candidates = _candidates(robot, self.chain, self._idle)
+        self.idle_columns = _idle_columns(robot, holds)
+        self.candidates = _candidates(robot, self.chain, self.idle_columns)
         self._length = angle_length
         sliding = [joint.shortname().startswith("JointModelP") for joint in robot.model.joints[1:]]
         self._column_scale = np.where(sliding, angle_length, 1.0)
@@ -131,15 +132,15 @@ class TaskJacobian:
         """(nv, nv) H: fingers, idle joints, palm coordinates, joints of ``rows``, unscaled."""
         unit = np.eye(self.robot.nv)
         palm = self.palm.jacobian[list(rows.coordinates)]
-        parts = (self.chain.jacobian, unit[list(self._idle)], palm, unit[list(rows.joints)])
+        parts = (self.chain.jacobian, unit[list(self.idle_columns)], palm, unit[list(rows.joints)])
         return np.concatenate(parts)
 
     def scaled_matrix(self, rows: PalmRows) -> Array:
         """(nv, nv) H with rows and columns scaled to lengths [m]."""
         turning = [self._length if place < 3 else 1.0 for place in rows.coordinates]
         # A joint's own row becomes length x unit, whether it turns or slides.
-        joint = [self._length / self._column_scale[k] for k in (*self._idle, *rows.joints)]
-        idle = len(self._idle)
+        joint = [self._length / self._column_scale[k] for k in (*self.idle_columns, *rows.joints)]
+        idle = len(self.idle_columns)
         scale = np.concatenate(
             (self.chain.row_lengths(self._length), joint[:idle], turning, joint[idle:])
         )

@@ -17,6 +17,7 @@ from pivotgait.models.config import (
     Vector3,
 )
 from pivotgait.models.robot_config import RobotConfig
+from pivotgait.models.validation_config import ValidationConfig
 
 SCHEMA = "pivotgait-scene/1"
 
@@ -170,6 +171,8 @@ class SceneConfig(Config):
     """The arm-hand; without one the plan holds the tool's motion and the forces only."""
     contacts: Annotated[dict[Name, ContactConfig], Field(min_length=2)]
     allocation: AllocationConfig = AllocationConfig()
+    validation: ValidationConfig = ValidationConfig()
+    """Perturbations of the closed-loop trials."""
     gaits: Annotated[
         dict[Name, Annotated[tuple[PhaseConfig, ...], Field(min_length=1)]], Field(min_length=1)
     ]

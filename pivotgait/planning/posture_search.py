@@ -16,6 +16,7 @@ from time import perf_counter
 import numpy as np
 
 from pivotgait.exceptions import InfeasibleError
+from pivotgait.frozen import Array
 from pivotgait.models import Robot
 from pivotgait.planning.collision import CollisionWorld
 from pivotgait.planning.key_posture import KeyPose
@@ -31,12 +32,14 @@ class PostureOptions:
         time_limit_s: no start begins after this time [s].
         singular_value_min: least distance of the scaled task Jacobian H from singularity [m].
         rounds: most iterations of the three rounds.
+        near_home: share of the joints' ranges that every second start spreads over, about home.
     """
 
     starts: int = 400
     time_limit_s: float = 30.0
     singular_value_min: float = 5e-4
     rounds: tuple[int, int, int] = (25, 30, 30)
+    near_home: float = 0.5
 
 
 @dataclass
@@ -101,10 +104,9 @@ class PostureSearch:
         self._alone = PostureChain(robot, None, [hardest], least)
         self._chain = PostureChain(robot, world, self.keys, least)
         # Starts spread over one turn only: more turns are the same posture.
-        middle = np.clip(robot.home, robot.lower + np.pi, robot.upper - np.pi)
-        wide = robot.upper - robot.lower > 2.0 * np.pi
-        self._low = np.where(wide, middle - np.pi, robot.lower)
-        self._high = np.where(wide, middle + np.pi, robot.upper)
+        self._reach = np.minimum(robot.upper - robot.lower, 2.0 * np.pi)
+        middle = 0.5 * (robot.upper + robot.lower)
+        self._middle = np.where(self._reach < 2.0 * np.pi, middle, robot.home)
 
     def candidates(self) -> Iterator[Postures]:
         """Postures that pass every check, in the order they are found."""
@@ -133,11 +135,17 @@ class PostureSearch:
 
     def _try(self) -> Postures | Refused:
         alone, together, last = self.options.rounds
-        start = self._rng.uniform(self._low, self._high)[None]
-        posture = self._alone.reach(start, alone)
+        posture = self._alone.reach(self._start()[None], alone)
         if isinstance(posture, Refused):
             return posture
         postures = self._chain.reach(np.repeat(posture, len(self.keys), axis=0), together)
         if isinstance(postures, Refused):
             return postures
         return self._chain.settle(postures, last)
+
+    def _start(self) -> Array:
+        """A random configuration: in turns anywhere, and near home."""
+        robot, spread = self.robot, self._reach * self._rng.uniform(-0.5, 0.5, self.robot.nv)
+        if self.record.starts % 2:
+            return np.clip(self._middle + spread, robot.lower, robot.upper)
+        return np.clip(robot.home + self.options.near_home * spread, robot.lower, robot.upper)
