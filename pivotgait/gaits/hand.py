@@ -12,23 +12,21 @@ from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from pivotgait.exceptions import InfeasibleError
 from pivotgait.frozen import Array
 from pivotgait.gaits.itinerary import Itinerary, contacts_left
 from pivotgait.gaits.steps import Step
 from pivotgait.kinematics import Hold
-from pivotgait.models import HandleContact, RelocationPhase, Robot, Scene
+from pivotgait.models import HandleContact, RelocationPhase, Robot
 from pivotgait.phases.grasp import Setting
-from pivotgait.phases.relocation import relocation_phase
+from pivotgait.phases.relocation import relocation_phase, relocation_problem
 from pivotgait.phases.tracking import JointMotion, Untracked, Waypoints, track, with_torques
 from pivotgait.planning.collision import CollisionWorld
 from pivotgait.planning.posture_chain import PostureChain, Postures, Refused
 from pivotgait.planning.posture_search import PostureOptions, PostureSearch, SearchRecord
-from pivotgait.planning.problem import RelocationOptions, RelocationProblem
+from pivotgait.planning.problem import RelocationOptions
 from pivotgait.planning.relocation import plan_relocation
-from pivotgait.planning.tool_path import PivotingTool
 from pivotgait.plans import Phase
 
 
@@ -85,7 +83,8 @@ class HandPlanner:
     """Plans the arm-hand through the steps of a gait.
 
     Args:
-        setting: scene with a robot.
+        setting: tool and table.
+        robot: the arm-hand.
         steps: as the tool feels them.
         rng: source of randomness.
         options: how to search.
@@ -220,7 +219,7 @@ class HandPlanner:
     def _check_clearance(
         self, place: int, motion: JointMotion, phase: Phase, touching: frozenset[str]
     ) -> None:
-        """At every sample; a phase moves any shape by less than a millimetre between two."""
+        """At every sample; a phase moves no shape by more than a few millimetres between two."""
         world, turn = self.world.holding(touching), phase.tool.rotation.as_matrix()
         position = phase.tool.position
         if np.all(motion.q == motion.q[0]):
@@ -262,48 +261,6 @@ class HandPlanner:
         }
         robot = with_torques(self._robot, motion, phase.contacts, phase.tool)
         return replace(phase, robot=robot, record=record)
-
-
-def relocation_problem(
-    scene: Scene,
-    world: CollisionWorld,
-    rotation: Rotation,
-    holds: Sequence[Hold],
-    contact: HandleContact,
-    *,
-    start: Array,
-    goal: Array,
-    left: HandleContact | None = None,
-    options: RelocationOptions | None = None,
-) -> RelocationProblem:
-    """The problem of bringing a finger to a contact while the tool rests on its pivot.
-
-    Args:
-        scene: whose tool rests.
-        world: of the scene's robot, without exemptions.
-        rotation: of the tool, world <- tool.
-        holds: of the fingers that hold it.
-        contact: to which its finger goes.
-        start: (nv,) joint positions, at the holds.
-        goal: (nv,) joint positions, at the holds and the contact.
-        left: the contact the finger still is at; None if it starts in the air.
-        options: of the search.
-
-    Raises:
-        InputError: for positions of a wrong shape or not finite, or a finger that holds.
-    """
-    return RelocationProblem(
-        robot=world.robot,
-        world=world,
-        holds=tuple(holds),
-        finger=contact.finger,
-        start=start,
-        goal=goal,
-        tool=PivotingTool.resting(rotation.as_matrix(), scene.centre_of_mass(rotation)),
-        start_normal=None if left is None else left.normal,
-        goal_normal=contact.normal,
-        options=options or RelocationOptions(),
-    )
 
 
 def _holds(postures: Postures, contacts: Iterable[HandleContact]) -> list[Hold]:

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from pivotgait.frozen import Array
+from pivotgait.kinematics.closed_chain import ROWS_PER_HOLD
 
 _LEAST_SQUARE = 1e-20  # [m^2]: the gradient at an exactly singular finger is not defined
 
@@ -42,7 +43,7 @@ def dexterity(
         below: the gradient is wanted only for a sigma smaller than this [m].
 
     Returns:
-        sigma [m] and d sigma/dq (nv,), the normal being fixed in the world; None if not wanted.
+        sigma [m], for more than five joints the fifth singular value, and d sigma/dq (nv,), the normal being fixed in the world; None if not wanted.
     """
     columns = np.asarray(own)
     linear, angular = jacobian[:3], jacobian[3:]
@@ -51,13 +52,14 @@ def dexterity(
     # By the eigenvalues of the small square, several times as fast as a singular value
     # decomposition; what it loses in digits is far below what matters near 1e-3 m.
     squares, vectors, _ = lapack.dsyev(rows.T @ rows)
-    sigma = float(max(squares[0], _LEAST_SQUARE) ** 0.5)
+    least = max(len(columns) - ROWS_PER_HOLD, 0)  # those before it move the joints alone
+    sigma = float(max(squares[least], _LEAST_SQUARE) ** 0.5)
     if not sigma < below:
         return sigma, None
-    left = rows @ vectors[:, 0] / sigma
+    left = rows @ vectors[:, least] / sigma
     push, twist = left[:3], angle_length * (across @ left[3:])
     share = np.zeros(jacobian.shape[1])
-    share[columns] = vectors[:, 0]
+    share[columns] = vectors[:, least]
     behind = _sums_from_the_end(share * linear), _sums_from_the_end(share * angular)
     before = behind[1][:, :1] - behind[1]
     gradient = (

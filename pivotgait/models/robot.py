@@ -43,7 +43,7 @@ class Robot(FrozenArrays):
     Attributes:
         name: of the URDF's robot.
         urdf: the whole text; its root is the world frame (a base placed elsewhere stands in it).
-        model: ``pinocchio.Model``.
+        model: ``pinocchio.Model``; the gravity of a scene's robot is the scene's.
         collision: ``pinocchio.GeometryModel`` of primitives, with the pairs of links that must
             not touch one another; neighbours are left out.
         palm_frame: name of the frame that carries the fingers.

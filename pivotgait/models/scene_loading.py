@@ -99,7 +99,7 @@ def parse_scene(text: str, *, where: str = "scene", folder: Path | None = None) 
             table.normal_force_N.min,
             table.normal_force_N.max,
         ),
-        robot=_load_robot(config.robot, folder, where),
+        robot=_load_robot(config, folder, where),
         gravity=np.array(config.gravity_m_s2),
         clearance=config.clearance_m,
         pivot=np.array([*config.rest.pivot_m, table.height_m + tool.tip_radius]),
@@ -149,11 +149,13 @@ def _load_tool(config: ToolConfig, folder: Path | None, where: str) -> Tool:
     )
 
 
-def _load_robot(config: RobotConfig | None, folder: Path | None, where: str) -> Robot | None:
-    if config is None:
+def _load_robot(config: SceneConfig, folder: Path | None, where: str) -> Robot | None:
+    if config.robot is None:
         return None
     at = f"{where}: robot"
-    return build_robot(robot_urdf(config, folder, where=at), config, where=at)
+    robot = build_robot(robot_urdf(config.robot, folder, where=at), config.robot, where=at)
+    robot.model.gravity.linear = np.array(config.gravity_m_s2)
+    return robot
 
 
 def _read(path: Path) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from scipy.interpolate import CubicSpline
 
-from pivotgait.exceptions import InfeasibleError
+from pivotgait.exceptions import InfeasibleError, SingularCoordinatesError
 from pivotgait.frozen import Array, FrozenArrays
 from pivotgait.kinematics import ClosedChain, Hold, differentiate, project
 from pivotgait.models import Robot
@@ -80,7 +80,10 @@ def track(
     chain, turn = ClosedChain(robot, holds), tool.rotation.as_matrix()
     q = np.empty((count, robot.nv))
     for k in range(count):
-        end = project(chain, led[k], turn[k], tool.position[k], tolerance=_TIGHT_M)
+        try:
+            end = project(chain, led[k], turn[k], tool.position[k], tolerance=_TIGHT_M)
+        except SingularCoordinatesError as error:
+            raise Untracked(k, led[k], float(time[k])) from error
         if not end.converged:
             raise Untracked(k, end.q, float(time[k]))
         q[k] = end.q
@@ -106,12 +109,12 @@ def with_torques(
     """
     model, data = robot.model, robot.model.createData()
     tau = inverse_dynamics(robot, motion)
+    normal = {name: each.world_normal(tool) for name, each in contacts.items() if not each.is_pivot}
     for k in range(len(tau)):
         pin.computeJointJacobians(model, data, motion.q[k])
-        for name, track in contacts.items():
-            if name in robot.fingers and np.any(track.force[k]):
-                jacobian = contact_jacobian(robot, data, name, track.world_normal(tool)[k])
-                tau[k] += jacobian.T @ track.force[k]
+        for name, inward in normal.items():
+            jacobian = contact_jacobian(robot, data, name, inward[k])
+            tau[k] += jacobian.T @ contacts[name].force[k]
     return RobotMotion(q=motion.q, v=motion.v, a=motion.a, tau=tau)
 
 

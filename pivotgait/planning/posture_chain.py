@@ -51,12 +51,19 @@ class Refused:
     """Why postures do not do.
 
     Attributes:
-        reason: kind of the fault, then what it is about.
+        kind: of the fault.
+        about: contact, joint, pair or method that it is about.
         distance: by which a contact is missed [m], 0 for other faults.
     """
 
-    reason: str
+    kind: str
+    about: str
     distance: float = 0.0
+
+    @property
+    def reason(self) -> str:
+        """Kind and what it is about, for messages."""
+        return f"{self.kind}: {self.about}"
 
 
 class PostureChain:
@@ -85,7 +92,7 @@ class PostureChain:
         """Postures (K, nv) fitted to the contacts from ``start``, collisions left out."""
         fit = fit_postures(self._reaching, start, iterations=iterations)
         missed = self.farthest(fit.postures)
-        return Refused(f"reach: {missed[1]}", missed[0]) if missed[0] > NEAR_M else fit.postures
+        return Refused("reach", missed[1], missed[0]) if missed[0] > NEAR_M else fit.postures
 
     def settle(self, start: Array, iterations: int) -> Postures | Refused:
         """Postures fitted to everything from ``start`` (K, nv), closed exactly and checked."""
@@ -106,11 +113,11 @@ class PostureChain:
     def _obstructed(self, postures: Array, missed: tuple[float, str]) -> Refused:
         """A tip that reached its contact until collisions counted."""
         if self.world is None:
-            return Refused(f"reach: {missed[1]}", missed[0])
+            return Refused("reach", missed[1], missed[0])
         worst = min(self._clearances(self.world, postures))
         if worst[0] < self.world.clearance_min:
-            return Refused(f"collision: {worst[1]}")
-        return Refused(f"compromise: {missed[1]}")
+            return Refused("collision", worst[1])
+        return Refused("compromise", missed[1])
 
     def _clearances(self, world: CollisionWorld, postures: Array) -> list[tuple[float, str]]:
         found = []
@@ -139,9 +146,9 @@ class PostureChain:
             chain = ClosedChain(robot, list(mine.values()))
             end = project(chain, q, key.rotation, key.position, tolerance=_TIGHT_M)
             if not end.converged:
-                return Refused("projection: Newton's method")
+                return Refused("projection", "Newton's method")
             if not robot.within_limits(end.q):
-                return Refused(f"limit: {self._limit(end.q)}")
+                return Refused("limit", self._limit(end.q))
             task = TaskJacobian(
                 robot, list(mine.values()), palm_target=self._palm_axes(end.q, key.rotation)
             )
@@ -149,12 +156,12 @@ class PostureChain:
             singular = min(singular, choice.smallest_singular_value)
             exact.append(end.q)
         if singular < self.singular_value_min:
-            return Refused("singular: task Jacobian")
+            return Refused("singular", "task Jacobian")
         q, clearance = np.array(exact), np.inf
         if self.world is not None:
             clearance, pair = min(self._clearances(self.world, q))
             if clearance < self.world.clearance_min:
-                return Refused(f"collision: {pair}")
+                return Refused("collision", pair)
         return Postures(q, holds, clearance, singular, cost)
 
     def _palm_axes(self, q: Array, oRtool: Array) -> Array:
@@ -173,13 +180,13 @@ class PostureChain:
                 seen.setdefault((finger, key.contacts[finger].name), []).append(direction)
         for finger, k, following in held_on(self.keys):
             if np.linalg.norm(at[k][finger][2] - at[following][finger][2]) > _ROLL_RAD:
-                return Refused(f"rolling: {self.keys[k].contacts[finger].name}")
+                return Refused("rolling", self.keys[k].contacts[finger].name)
         mean = {place: np.mean(each, axis=0) for place, each in seen.items()}
         directions = {place: each / np.linalg.norm(each) for place, each in mean.items()}
         for (finger, name), direction in directions.items():
             tip = self.robot.fingers[finger]
             if tip.pad @ direction < np.cos(tip.pad_cone + _ROLL_RAD):
-                return Refused(f"pad: {name}")
+                return Refused("pad", name)
         return directions
 
     def _limit(self, q: Array) -> str:

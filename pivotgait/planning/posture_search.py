@@ -117,8 +117,8 @@ class PostureSearch:
             record.elapsed_s = perf_counter() - began
             if isinstance(result, Refused):
                 record.failures[result.reason] += 1
-                if result.reason.startswith("reach"):
-                    record.missed = min(record.missed, (result.distance, result.reason[7:]))
+                if result.kind == "reach":
+                    record.missed = min(record.missed, (result.distance, result.about))
                 continue
             record.found += 1
             yield result

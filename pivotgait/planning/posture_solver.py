@@ -11,6 +11,7 @@ from pivotgait.frozen import Array, FrozenArrays
 from pivotgait.planning.posture_residuals import NormalEquations, PostureResiduals
 
 _LARGEST_STEP = 0.5  # [rad] or [m]: linearised tips are wrong beyond
+_LEAST_STEPS = 6  # a small gain counts as the end only after these
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +34,13 @@ def fit_postures(
 ) -> PostureFit:
     """Descend from ``start`` (K, nv) until a step gains less than ``tolerance`` of the cost.
 
-    Steps solve (J^T J + damping diag(J^T J)) dx = -J^T r and are cut at the joint limits.
+    Steps solve (J^T J + damping diag(J^T J)) dx = -J^T r; start and steps are cut at the joint
+    limits.
     """
     robot = residuals.robot
-    postures, damping = np.array(start), 1e-2
-    model = residuals.normal_equations(postures)
-    for iteration in range(iterations):
+    postures, damping = np.clip(start, robot.lower, robot.upper), 1e-2
+    model, accepted, gain = residuals.normal_equations(postures), 0, np.inf
+    while accepted < iterations and (gain >= tolerance or accepted < _LEAST_STEPS):
         for _ in range(6):
             step = _damped_step(model, damping, robot.nv).reshape(postures.shape)
             step *= min(1.0, _LARGEST_STEP / max(float(np.abs(step).max()), 1e-12))
@@ -48,13 +50,11 @@ def fit_postures(
                 break
             damping *= 4.0
         else:
-            return PostureFit(postures, model.cost, iteration)
+            break
         damping = max(0.3 * damping, 1e-7)
         gain = (model.cost - there.cost) / model.cost
-        postures, model = trial, there
-        if gain < tolerance and iteration > 4:
-            break
-    return PostureFit(postures, model.cost, iteration + 1)
+        postures, model, accepted = trial, there, accepted + 1
+    return PostureFit(postures, model.cost, accepted)
 
 
 def _damped_step(model: NormalEquations, damping: float, nv: int) -> Array:

@@ -11,6 +11,9 @@ from pivotgait.exceptions import InputError, UnknownNameError
 from pivotgait.frozen import Array
 from pivotgait.validation.world import World
 
+TABLE_TOUCH = "table - tool"
+"""Name of a touch of the table with any place of the tool but its tip."""
+
 
 @dataclass(frozen=True)
 class SimulatorOptions:
@@ -55,8 +58,7 @@ class SimulatorState:
         finger_force: (3,) force of each fingertip on the tool, world [N].
         finger_point: (3,) its point of application, world [m]; absent where none touches.
         pivot_force: (3,) force of the table on the tool's tip, world [N].
-        unwanted: pairs of names that touch and should not, sorted; ``tool - table`` is any
-            place of the tool but its tip.
+        unwanted: pairs of names that touch and should not, sorted; maybe :data:`TABLE_TOUCH`.
     """
 
     time: float

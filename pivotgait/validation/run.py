@@ -1,0 +1,184 @@
+"""One run: a controller against a simulator, from the closing fingers to the final hold."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from pivotgait.control.controller import Controller
+from pivotgait.control.reference import Reference
+from pivotgait.exceptions import InputError
+from pivotgait.frozen import Array
+from pivotgait.models import Scene
+from pivotgait.plans import GaitPlan
+from pivotgait.validation.controllers import make_controller
+from pivotgait.validation.grasp import standing_off, with_grasp
+from pivotgait.validation.perturbation import Perturbation
+from pivotgait.validation.real_tool import RealTool, real_tool
+from pivotgait.validation.sensing import Sensors
+from pivotgait.validation.series import RunSeries
+from pivotgait.validation.simulator import (
+    Simulator,
+    SimulatorOptions,
+    SimulatorState,
+    make_simulator,
+)
+from pivotgait.validation.tape import Tape
+from pivotgait.validation.world import World
+
+_LOST_M = 1.0
+_LARGEST_SPEED = 1e3
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How a run is carried out.
+
+    Attributes:
+        simulator: its name.
+        controller: name of the control law.
+        engine: step and contacts of the simulator.
+        control_period_s: of the controller, a multiple of the engine's step unless that is longer.
+        grasp_s: time in which the fingers close and take hold before the plan begins [s].
+        standoff_m: of the fingertips from their contacts at the start [m].
+        hold_s: time for which the final grasp is held [s].
+    """
+
+    simulator: str = "pybullet"
+    controller: str = "hybrid"
+    engine: SimulatorOptions = field(default_factory=SimulatorOptions)
+    control_period_s: float = 1e-3
+    grasp_s: float = 0.8
+    standoff_m: float = 0.003
+    hold_s: float = 2.0
+
+    @property
+    def steps_per_cycle(self) -> int:
+        """Simulator's steps in a control cycle.
+
+        Raises:
+            InputError: if the period is no multiple of the step.
+        """
+        ratio = max(self.control_period_s / self.engine.step_s, 1.0)
+        if abs(ratio - round(ratio)) > 1e-6:
+            what = f"{self.control_period_s:g} s is no multiple of the step"
+            raise InputError(what, where="control period", mend="choose a step that divides it")
+        return round(ratio)
+
+    @property
+    def cycle_s(self) -> float:
+        """Length of a control cycle [s]: the period, or the engine's step if that is longer."""
+        return self.steps_per_cycle * self.engine.step_s
+
+
+def run(
+    plan: GaitPlan,
+    scene: Scene,
+    perturbation: Perturbation,
+    options: RunOptions,
+    *,
+    controller: Callable[[Reference], Controller] | None = None,
+) -> RunSeries:
+    """Carry a plan out in a simulator.
+
+    Args:
+        plan: with a robot.
+        scene: of the plan.
+        perturbation: how the world and the sensors differ from the plan.
+        options: of the run.
+        controller: maker of a control law of one's own, else that of ``options``.
+
+    Raises:
+        PivotGaitError: bad input.
+    """
+    robot = scene.robot
+    if robot is None or plan.robot is None:
+        raise InputError("has no robot", where="plan", mend="plan a scene with a robot")
+    longer = with_grasp(plan, robot, options.grasp_s)
+    reference = Reference.of(longer, robot)
+    law = controller(reference) if controller else make_controller(options.controller, reference)
+    real = real_tool(plan, scene, perturbation)
+    start = standing_off(plan, robot, options.standoff_m)
+    with make_simulator(
+        options.simulator, real_world(plan, real, perturbation), options.engine
+    ) as simulator:
+        simulator.reset(start, np.zeros(robot.nv), real.position, real.rotation)
+        sensors = Sensors(perturbation, tuple(robot.fingers), options.cycle_s)
+        cycles = round((reference.duration + options.hold_s) / options.cycle_s)
+        tape = Tape(tuple(robot.fingers), robot.joint_names, cycles)
+        return _Loop(simulator, law, sensors, tape, robot.effort_max, options).turn(
+            cycles, real.tool.pivot_in_tool
+        )
+
+
+def real_world(plan: GaitPlan, real: RealTool, perturbation: Perturbation) -> World:
+    """The world of a plan with the perturbation's tool and frictions."""
+    world = World.of(plan)
+    friction = {
+        name: perturbation.finger_friction_scale * value
+        for name, value in world.finger_friction.items()
+    }
+    return replace(
+        world,
+        tool_urdf=real.tool.urdf,
+        pivot_in_tool=real.tool.pivot_in_tool,
+        finger_friction=friction,
+        table_friction=perturbation.table_friction_scale * world.table_friction,
+        joint_friction=perturbation.joint_friction,
+    )
+
+
+@dataclass
+class _Loop:
+    """Controller and simulator in turns."""
+
+    simulator: Simulator
+    law: Controller
+    sensors: Sensors
+    tape: Tape
+    effort_max: Array
+    options: RunOptions
+
+    def turn(self, cycles: int, pivot_in_tool: Array) -> RunSeries:
+        """Run ``cycles`` control cycles, or until the simulation has gone astray."""
+        options, simulator = self.options, self.simulator
+        thinking = stepping = 0.0
+        diverged, start = "", None
+        self.law.reset()
+        state = simulator.state()
+        for cycle in range(cycles):
+            time = cycle * options.cycle_s
+            measurement = self.sensors.read(time, state)
+            before = clock.perf_counter()
+            asked = self.law.torque(measurement)
+            thinking += clock.perf_counter() - before
+            self.tape.write(time - options.grasp_s, state, asked, measurement.force)
+            start = state.tool_position if start is None else start
+            diverged = _astray(state, asked, start)
+            if diverged:
+                break
+            torque = np.clip(asked, -self.effort_max, self.effort_max)
+            before = clock.perf_counter()
+            for _ in range(options.steps_per_cycle):
+                simulator.step(torque)
+            state = simulator.state()
+            stepping += clock.perf_counter() - before
+        return self.tape.series(
+            diverged=diverged,
+            pivot_in_tool=pivot_in_tool,
+            control_s=thinking / max(self.tape.count, 1),
+            simulator_s=stepping / max(self.tape.count, 1),
+        )
+
+
+def _astray(state: SimulatorState, torque: Array, start: Array) -> str:
+    """Why a run cannot go on, or an empty text."""
+    if not (np.isfinite(torque).all() and np.isfinite(state.q).all()):
+        return "a torque or a joint position is not finite"
+    if not np.abs(state.v).max() < _LARGEST_SPEED:
+        return f"a joint moves faster than {_LARGEST_SPEED:g} rad/s"
+    moved = np.linalg.norm(state.tool_position - start)
+    return "" if moved < _LOST_M else "the tool has left the table"
