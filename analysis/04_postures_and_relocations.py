@@ -9,9 +9,12 @@
   couplings, clearance, pads, conditioning. It is then forgotten. A problem is solved when the
   search finds any posture within its budget of starts and time.
 * **Relocations**, all of a scene's gait: from the postures of one finished plan with many seeds
-  of the planner, and from many other postures with one seed each. Those come from the search for
-  the whole gait's postures as it yields them; a plan would keep only postures whose relocations
-  succeed, which would flatter the planner.
+  of the planner; from many other postures; and, where the finger starts in the air, from random
+  bends of it that touch nothing. The other postures come from the search for the whole gait's
+  postures as it yields them; a plan keeps only postures whose relocations succeed, which would
+  flatter the planner. Most attempts join start and goal without a single sample; how many do is
+  told, since they say nothing about the random search. The benchmark's three problems stand
+  beside, one of them with its straight way blocked.
 
 Times are of one process on a machine that may have other work: CPU time stands beside wall time.
 Failures count with the time they took.
@@ -38,6 +41,7 @@ from rich.table import Table
 from scipy.spatial.transform import Rotation
 from scipy.stats import binomtest
 
+from pivotgait.benchmarks.relocation import knife_grip, relocation_problems
 from pivotgait.contacts import contact_frame
 from pivotgait.gaits import plan_gait
 from pivotgait.gaits.itinerary import Itinerary, contacts_left
@@ -63,8 +67,9 @@ HELD_M = (0.010, 0.080)
 ROD_RADIUS_M = 0.002
 BUDGET = PostureOptions(starts=100, time_limit_s=5.0)
 TIME_LIMIT_S = 5.0
+BENDS = 4
 PLAN_SEED = 0
-DRAW_SEED, SEARCH_SEED, POSTURE_SEED = 4, 1004, 2004
+DRAW_SEED, SEARCH_SEED, POSTURE_SEED, BEND_SEED = 4, 1004, 2004, 3004
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,13 +149,14 @@ def hub_of(tips: Sequence[Array]) -> Array:
 
 
 def is_thick(contacts: Mapping[str, HandleContact]) -> bool:
-    """Whether the thumb's contact is as far from the others as a handle is thick, facing them."""
+    """Whether the thumb's contact is as far from the others as a handle is thick.
+
+    No rod may be shorter than it is thick, either.
+    """
     thumb, *others = contacts.values()
-    across = [each.point - thumb.point for each in others]
     low, high = HELD_M
-    return all(
-        low <= np.linalg.norm(d) <= high and thumb.normal @ d > 0.0 > each.normal @ d
-        for d, each in zip(across, others, strict=True)
+    return all(low <= np.linalg.norm(each.point - thumb.point) <= high for each in others) and all(
+        -each.normal @ each.point >= 2.0 * ROD_RADIUS_M for each in contacts.values()
     )
 
 
@@ -197,6 +203,7 @@ class Search:
         cpu_s: the same of the processor.
         starts: tried.
         failures: reason -> starts that ended by it.
+        miss_m: largest distance of a tip's centre from its place, NaN without a posture.
     """
 
     found: bool
@@ -204,6 +211,7 @@ class Search:
     cpu_s: float
     starts: int
     failures: dict[str, int]
+    miss_m: float
 
     @classmethod
     def run(cls, pinch: Pinch, seed: int) -> Search:
@@ -213,7 +221,21 @@ class Search:
         search = PostureSearch(robot, pinch.world, [pinch.key], rng, BUDGET)
         found = next(search.candidates(), None)
         spent = perf_counter() - wall, process_time() - cpu
-        return cls(found is not None, *spent, search.record.starts, dict(search.record.failures))
+        record, miss = search.record, np.nan if found is None else miss_of(pinch, found.q[0])
+        return cls(found is not None, *spent, record.starts, dict(record.failures), miss)
+
+
+def miss_of(pinch: Pinch, q: Array) -> float:
+    """Largest distance of a tip's centre from its place at a contact [m]."""
+    robot, key = pinch.world.robot, pinch.key
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, q)
+    off = []
+    for name, contact in key.contacts.items():
+        finger = robot.fingers[name]
+        place = key.position + contact.point - finger.tip_radius * contact.normal
+        off.append(np.linalg.norm(data.oMf[finger.tip_frame_id].translation - place))
+    return float(max(off))
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,12 +272,11 @@ class Relocations:
             if isinstance(step.config, RelocationPhase):
                 assert phase.robot is not None
                 turn, (start, goal) = phase.tool.rotation[0], phase.robot.q[[0, -1]]
-                given = [
-                    (self.robot, start, turn.as_matrix(), self.robot.fingers[name], c.point)
-                    + (c.normal,)
-                    for name, c in step.before.fingers.items()
+                oRtool, fingers = turn.as_matrix(), self.robot.fingers
+                holds = [
+                    Hold.at(self.robot, start, oRtool, fingers[name], each.point, each.normal)
+                    for name, each in step.before.fingers.items()
                 ]
-                holds = [Hold.at(*each) for each in given]
                 cases.append(self._case(step, turn, holds, start, goal))
         return cases
 
@@ -273,6 +294,23 @@ class Relocations:
                     start, goal = postures.q[[stops[0].key, stops[-1].key]]
                     cases.append(self._case(step, step.before.rotation, holds, start, goal))
         return cases
+
+    def scattered(self, cases: Sequence[Case], count: int, seed: int) -> list[Case]:
+        """The cases that start in the air, from so many random bends of the finger each."""
+        robot, rng, found = self.robot, np.random.default_rng(seed), []
+        for case in cases:
+            problem, bends = case.problem, 0
+            if problem.start_normal is not None:
+                continue
+            columns = list(robot.fingers[problem.finger].columns)
+            world, pose = self.world.holding(problem.holding), problem.tool.pose(0.0)
+            while bends < count:
+                q = np.array(problem.start)
+                q[columns] = rng.uniform(robot.lower[columns], robot.upper[columns])
+                if robot.within_limits(q) and world.free(q, *pose):
+                    found.append(Case(case.name, replace(problem, start=q)))
+                    bends += 1
+        return found
 
     def _case(
         self, step: Step, turn: Rotation, holds: Sequence[Hold], start: Array, goal: Array
@@ -383,6 +421,7 @@ def summary_of_searches(runs: Sequence[Search], draws: Counter[str]) -> dict[str
         "wall_s": spread([run.wall_s for run in runs]),
         "cpu_s": spread([run.cpu_s for run in runs]),
         "starts": spread([float(run.starts) for run in runs]),
+        "miss_m": spread([run.miss_m for run in runs]),
         "starts_failed": dict(failures.most_common()),
         "draws": dict(draws.most_common()),
         "runs": [asdict(run) for run in runs],
@@ -391,11 +430,12 @@ def summary_of_searches(runs: Sequence[Search], draws: Counter[str]) -> dict[str
 
 def summary_of_attempts(runs: Sequence[Attempt]) -> dict[str, Any]:
     """Figures of one relocation's attempts."""
-    names = ("wall_s", "cpu_s", "length_found_m", "length_m", "duration_s")
+    names = ("wall_s", "cpu_s", "iterations", "length_found_m", "length_m", "duration_s")
     drifts = ("drift_m", "drift_between_m")
     return {
         **share(sum(run.in_time for run in runs), len(runs)),
         "found": sum(run.found for run in runs),
+        "found_without_samples": sum(run.found and not run.iterations for run in runs),
         "failures": dict(Counter(run.failure for run in runs if run.failure).most_common()),
         **{name: spread([getattr(run, name) for run in runs]) for name in (*names, *drifts)},
         "runs": [asdict(run) for run in runs],
@@ -412,7 +452,7 @@ def main(quick: bool = False, out: Path = Path("reports/out/analysis/04")) -> di
     Returns:
         What the JSON file holds.
     """
-    console, began = Console(), perf_counter()
+    console, began = Console(markup=False), perf_counter()
     scene = load_scene(SCENE)
     counts = (10, 5) if quick else (200, 100)
     searches: dict[str, dict[str, Any]] = {}
@@ -423,11 +463,15 @@ def main(quick: bool = False, out: Path = Path("reports/out/analysis/04")) -> di
         searches[name] = summary_of_searches(runs, pinches.draws)
     count = 2 if quick else 50
     relocations = Relocations(scene)
-    one = [(case, seed) for case in relocations.planned(PLAN_SEED) for seed in range(count)]
-    several = relocations.searched(count, POSTURE_SEED)
+    planned = relocations.planned(PLAN_SEED)
+    other = relocations.searched(count, POSTURE_SEED)
+    bent = relocations.scattered(other, 1 if quick else BENDS, BEND_SEED)
+    bench = [Case(name, each) for name, each in relocation_problems(knife_grip()).items()]
     every = {
-        "one plan's postures": one,
-        "other postures": [(case, PLAN_SEED) for case in several],
+        "one plan": [(case, seed) for case in planned for seed in range(count)],
+        "other postures": numbered(other),
+        "random bends": numbered(bent),
+        "benchmark": [(case, seed) for case in bench for seed in range(count)],
     }
     attempts: dict[str, dict[str, list[Attempt]]] = {}
     for name, cases in every.items():
@@ -458,6 +502,11 @@ def main(quick: bool = False, out: Path = Path("reports/out/analysis/04")) -> di
     return result
 
 
+def numbered(cases: Sequence[Case]) -> list[tuple[Case, int]]:
+    """Cases with a seed of its own for each."""
+    return [(case, seed) for seed, case in enumerate(cases)]
+
+
 def panels(result: Mapping[str, Any]) -> dict[str, dict[str, Array]]:
     """Wall times for the figure, infinite where nothing was found."""
 
@@ -465,12 +514,21 @@ def panels(result: Mapping[str, Any]) -> dict[str, dict[str, Array]]:
         return np.array([r["wall_s"] if r["found"] else np.inf for r in summary["runs"]])
 
     postures = {name: times(each) for name, each in result["postures"]["grasps"].items()}
+    # One plan's attempts differ in nothing but the machine's noise if all are joined at once.
     relocations = {
         f"{step}, {name}": times(each)
         for name, steps in result["relocations"]["sets"].items()
         for step, each in steps.items()
+        if name in ("other postures", "random bends")
     }
-    return {"posture for given contacts": postures, "relocation": relocations}
+    blocked = {
+        name: times(each) for name, each in result["relocations"]["sets"]["benchmark"].items()
+    }
+    return {
+        "posture for given contacts": postures,
+        "relocation": relocations,
+        "relocation, benchmark": blocked,
+    }
 
 
 def _plain(value: Any) -> Any:
@@ -484,43 +542,43 @@ def _plain(value: Any) -> Any:
 
 def tell(console: Console, result: Mapping[str, Any]) -> None:
     """Print both tables and what failed."""
-    budget = result["postures"]["budget"]
+    budget, grasps = result["postures"]["budget"], result["postures"]["grasps"]
     title = f"Postures, at most {budget['starts']} starts and {budget['time_limit_s']:g} s"
-    heads = ("contacts", "solved", "95 %", "wall [s]", "CPU [s]", "starts")
-    table = filled(title, heads, result["postures"]["grasps"], ("wall_s", "cpu_s", "starts"))
-    console.print(table)
-    for name, each in result["postures"]["grasps"].items():
+    rows = {"wall [s]": "wall_s", "CPU [s]": "cpu_s", "starts": "starts", "miss [m]": "miss_m"}
+    console.print(filled(title, grasps, rows))
+    for name, each in grasps.items():
         console.print(f"{name}: starts failed by {listed(each['starts_failed'])}")
         console.print(f"{name}: configurations drawn {listed(each['draws'])}")
-    title = f"Relocations within {result['relocations']['time_limit_s']:g} s"
-    heads = ("relocation", "solved", "95 %", "wall [s]", "CPU [s]", "found [m]", "shortened [m]")
-    names = ("wall_s", "cpu_s", "length_found_m", "length_m", "duration_s")
     rows = {
-        f"{step}, {name}": each
-        for name, steps in result["relocations"]["sets"].items()
-        for step, each in steps.items()
+        "wall [s]": "wall_s",
+        "CPU [s]": "cpu_s",
+        "samples": "iterations",
+        "search's path [m]": "length_found_m",
+        "whole path [m]": "length_m",
+        "motion [s]": "duration_s",
+        "drift [m]": "drift_m",
+        "between [m]": "drift_between_m",
     }
-    console.print(filled(title, (*heads, "motion [s]"), rows, names))
-    for name, each in rows.items():
-        at, between = each["drift_m"]["max"], each["drift_between_m"]["max"]
-        text = f"{name}: holds drift by {at:.1e} m at samples, {between:.1e} m between them"
-        failed = f"; failed: {listed(each['failures'])}" if each["failures"] else ""
-        console.print(text + failed)
-    console.print("Median / 95th percentile of all problems; lengths of those with a path.")
+    limit = result["relocations"]["time_limit_s"]
+    for name, steps in result["relocations"]["sets"].items():
+        console.print(filled(f"Relocations within {limit:g} s: {name}", steps, rows))
+        for step, each in steps.items():
+            direct = f"{each['found_without_samples']} of {each['problems']} without a sample"
+            console.print(f"{step}: {direct}; failed by {listed(each['failures'])}")
+    console.print("Median / 95th percentile over all problems; of paths where there is one.")
+    console.print("Whole paths are after shortcuts, with the ways along the normals at both ends.")
 
 
-def filled(
-    title: str, heads: Sequence[str], rows: Mapping[str, Any], names: Sequence[str]
-) -> Table:
+def filled(title: str, columns: Mapping[str, Any], rows: Mapping[str, str]) -> Table:
     """A table of summaries: share solved, then median / 95th percentile of each quantity."""
     table = Table(title=title)
-    for head in heads:
+    for head in ("", *columns):
         table.add_column(head, justify="right")
-    for name, each in rows.items():
-        low, high = each["interval_95"]
-        solved = f"{each['solved']} / {each['problems']}", f"{low:.1%}-{high:.1%}"
-        spreads = [f"{each[n]['median']:.3g} / {each[n]['p95']:.3g}" for n in names]
-        table.add_row(name, *solved, *spreads)
+    each = columns.values()
+    table.add_row("solved", *(f"{c['solved']} / {c['problems']}" for c in each))
+    table.add_row("95 %", *("{:.1%}-{:.1%}".format(*c["interval_95"]) for c in each))
+    for name, key in rows.items():
+        table.add_row(name, *(f"{c[key]['median']:.2g} / {c[key]['p95']:.2g}" for c in each))
     return table
 
 

@@ -73,6 +73,50 @@ def certify(
 
 
 @app.command()
+def validate(
+    plan: Annotated[Path, typer.Argument(help="Plan file, with the motion of a robot.")],
+    simulator: Annotated[str, typer.Option(help="pybullet or mujoco.")] = "pybullet",
+    controller: Annotated[
+        str, typer.Option(help="hybrid, admittance, position or feedforward.")
+    ] = "hybrid",
+    trials: Annotated[
+        int, typer.Option(min=1, max=100_000, help="Number of trials; one is nominal.")
+    ] = 1,
+    seed: Seed = 0,
+    perturbed: Annotated[
+        bool | None,
+        typer.Option("--perturbed/--nominal", help="Else: nominal if there is one trial only."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=1024, help="Processes at a time; else all cores.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Record file to write.")
+    ] = None,
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Carry a plan out in a physics simulator, once or in many perturbed trials.
+
+    Example: `pivotgait validate knife.h5 --trials 100 -o record.h5`
+    """
+    from pivotgait.commands.output import Output
+    from pivotgait.commands.validation import run_validate
+
+    return run_validate(
+        plan,
+        simulator,
+        controller,
+        trials,
+        seed,
+        output,
+        Output(json),
+        perturbed=perturbed,
+        workers=workers,
+    )
+
+
+@app.command()
 def run(
     scene: SceneArgument,
     out: Annotated[Path, typer.Option("--out", help="Folder for plan, figures and report.")],

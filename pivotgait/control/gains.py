@@ -33,8 +33,8 @@ class HybridGains:
         contact_stiffness: estimated k_e [N/m]; the finger aims f_nd / k_e into the tool.
     """
 
-    position: float = 1e4
-    velocity: float = 200.0
+    position: float = 3e4
+    velocity: float = 350.0
     impedance_mass: float = 0.1
     impedance_damping: float = 20.0
     impedance_stiffness: float = 1000.0

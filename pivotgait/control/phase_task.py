@@ -29,6 +29,9 @@ class PhaseTask:
         reference: the phase.
         palm_rows: chosen.
         smallest_singular_value: of the scaled H over the planned phase [m].
+        row_scale: (n,) factors that turn the rows of H into lengths.
+        column_scale: (n,) factors of its columns.
+        joint_columns: joints that are controlled by themselves.
         z_rows: rows of the holding fingers' z.
         finger_names: of the m holding fingers.
         normals_in_tool: (m, 3) inward normals, tool frame.
@@ -58,6 +61,8 @@ class PhaseTask:
         on_tool = [*(FrameOnTool.of_hold(hold) for hold in holds), palm]
         self.frames = FrameBundle(robot.model, data, on_tool)
         self._palm_curves = _palm_curves(robot, reference, palm)
+        self.row_scale = task.row_scale(choice.rows)
+        self.column_scale = task.column_scale
         self._lay_out(robot, task)
 
     def _lay_out(self, robot: Robot, task: TaskJacobian) -> None:
@@ -71,7 +76,7 @@ class PhaseTask:
         self._coordinates = np.array(palm, dtype=int)
         rows = [*range(held, idle_end), *range(self._palm.stop, robot.nv)]
         self._joint_rows = np.array(rows, dtype=int)
-        self._joint_columns = np.array(by_joint, dtype=int)
+        self.joint_columns = np.array(by_joint, dtype=int)
         holds = self.reference.holds
         self.finger_names = tuple(hold.finger.name for hold in holds)
         self.normals_in_tool = np.array([hold.normal for hold in holds]).reshape(-1, 3)
@@ -79,7 +84,7 @@ class PhaseTask:
         self.levers_in_tool = radii * self.normals_in_tool
         self.z_rows = np.arange(ROWS_PER_HOLD - 1, held, ROWS_PER_HOLD)
         self.matrix = np.zeros((robot.nv, robot.nv))
-        self.matrix[self._joint_rows, self._joint_columns] = 1.0
+        self.matrix[self._joint_rows, self.joint_columns] = 1.0
         self.error, self.rate_error, self.feed_forward = np.zeros((3, robot.nv))
         self._errors = (self.error, self.rate_error, self.feed_forward)
 
@@ -100,7 +105,7 @@ class PhaseTask:
         self.matrix[palm] = frames.jacobian[m, self._coordinates]
         palm_wanted = self._palm_curves(wanted.time_in_phase)[:, self._coordinates]
         found = (frames.value, frames.rate, frames.drift)
-        columns, rows = self._joint_columns, self._joint_rows
+        columns, rows = self.joint_columns, self._joint_rows
         joints = (wanted.q - q, wanted.v - v, wanted.a)
         for k, error in enumerate(self._errors):
             error[held] = found[k][:m, 1:].ravel()

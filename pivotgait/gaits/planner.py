@@ -120,14 +120,24 @@ def _plan_hand(
     """
     steps = plan_steps(setting, configs)
     found = HandPlanner(setting, robot, steps, rng, options).plan()
-    if not _weakest(robot, found):
+    weak = _weakest(robot, found)
+    if not weak:
         return steps, found
     rows = {
         phase.name: _rows(robot, step, phase)
         for step, phase in zip(steps, found.phases, strict=True)
         if phase.kind in _TORQUE_RESERVE
     }
-    steps = plan_steps(setting, configs, rows=rows)
+    try:
+        steps = plan_steps(setting, configs, rows=rows)
+    except InfeasibleError as error:
+        name, joint, share = weak
+        raise InfeasibleError(
+            f"within the torque limits {error.what}; without them {name} takes "
+            f"{100 * share:.0f} % of the torque of {joint}",
+            where=error.where,
+            mend="choose other contacts or stronger joints",
+        ) from error
     found = HandPlanner(setting, robot, steps, rng, options).plan_again(found)
     weak = _weakest(robot, found)
     if weak:

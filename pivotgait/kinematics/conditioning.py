@@ -73,6 +73,8 @@ class TaskJacobian:
         palm: the palm's six local coordinates.
         candidates: every admissible choice of palm rows.
         idle_columns: joints of the fingers that do not hold, in the order of their rows.
+        column_scale: (nv,) factors of the columns of H: one, or ``angle_length`` where a joint
+            slides.
     """
 
     def __init__(
@@ -112,7 +114,7 @@ class TaskJacobian:
         self.candidates = _candidates(robot, self.chain, self.idle_columns)
         self._length = angle_length
         sliding = [joint.shortname().startswith("JointModelP") for joint in robot.model.joints[1:]]
-        self._column_scale = np.where(sliding, angle_length, 1.0)
+        self.column_scale = np.where(sliding, angle_length, 1.0)
 
     def update(self, q: Array, oRtool: Array, tool_position: Array) -> None:
         """Compute the rows at a configuration.
@@ -135,16 +137,19 @@ class TaskJacobian:
         parts = (self.chain.jacobian, unit[list(self.idle_columns)], palm, unit[list(rows.joints)])
         return np.concatenate(parts)
 
-    def scaled_matrix(self, rows: PalmRows) -> Array:
-        """(nv, nv) H with rows and columns scaled to lengths [m]."""
+    def row_scale(self, rows: PalmRows) -> Array:
+        """(nv,) factors of the rows of :meth:`matrix` that turn them into lengths."""
         turning = [self._length if place < 3 else 1.0 for place in rows.coordinates]
         # A joint's own row becomes length x unit, whether it turns or slides.
-        joint = [self._length / self._column_scale[k] for k in (*self.idle_columns, *rows.joints)]
+        joint = [self._length / self.column_scale[k] for k in (*self.idle_columns, *rows.joints)]
         idle = len(self.idle_columns)
-        scale = np.concatenate(
+        return np.concatenate(
             (self.chain.row_lengths(self._length), joint[:idle], turning, joint[idle:])
         )
-        return np.asarray(scale[:, None] * self.matrix(rows) * self._column_scale)
+
+    def scaled_matrix(self, rows: PalmRows) -> Array:
+        """(nv, nv) H with rows and columns scaled to lengths [m]."""
+        return np.asarray(self.row_scale(rows)[:, None] * self.matrix(rows) * self.column_scale)
 
     def smallest_singular_values(self) -> Array:
         """(number of candidates,) smallest singular value of each scaled H [m]."""

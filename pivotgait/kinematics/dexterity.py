@@ -43,7 +43,8 @@ def dexterity(
         below: the gradient is wanted only for a sigma smaller than this [m].
 
     Returns:
-        sigma [m], for more than five joints the fifth singular value, and d sigma/dq (nv,), the normal being fixed in the world; None if not wanted.
+        sigma [m], the fifth singular value of more than five joints, and d sigma/dq (nv,), the
+        normal being fixed in the world; None if not wanted.
     """
     columns = np.asarray(own)
     linear, angular = jacobian[:3], jacobian[3:]

@@ -15,7 +15,6 @@ from pivotgait.exceptions import SceneError, UnknownNameError
 from pivotgait.models.paths import is_file
 from pivotgait.models.rest import attitude, rest_pitch
 from pivotgait.models.robot import Robot
-from pivotgait.models.robot_config import RobotConfig
 from pivotgait.models.robot_loading import build_robot
 from pivotgait.models.robot_urdf import robot_urdf
 from pivotgait.models.scene import HandleContact, Scene, Table

@@ -48,9 +48,9 @@ class CollisionWorld:
         self.table_height, self.clearance_min = float(table_height), float(clearance)
         if not (isfinite(clearance) and clearance >= 0.0):
             raise InputError(f"clearance {clearance} m", mend="give a length of 0 or more")
-        self._worlds: dict[tuple[frozenset[str], float], CollisionWorld] = {}
-        self._worlds[frozenset(), 0.0] = self
+        self._made: dict[tuple[frozenset[str], float], CollisionWorld] = {}
         self._prepare(build_bodies(robot, tool, self.table_height), frozenset(), 0.0)
+        self._everything = self._geometry, self._shapes
 
     def _prepare(self, bodies: Bodies, exempt: frozenset[str], padding: float) -> None:
         self.bodies, self.exempt, self.padding = bodies, exempt, padding
@@ -76,16 +76,23 @@ class CollisionWorld:
     def holding(self, fingers: AbstractSet[str], padding: float = 0.0) -> CollisionWorld:
         """This world while the tips of ``fingers`` hold the tool; made once for each set.
 
+        Ask the world that exempts none. It keeps those it made, and they do not keep it: a cycle
+        would hold megabytes of shapes until Python looks for cycles.
+
         Args:
             fingers: names; their tip's shapes may touch the tool's.
             padding: added to the clearance [m]; covers what happens between two checks.
 
         Raises:
             UnknownNameError: for a finger the robot does not have.
-            InputError: for a padding that is negative or not finite.
+            InputError: for a padding that is negative or not finite, or a world with exemptions.
         """
         key = (frozenset(fingers), float(padding))
-        if key not in self._worlds:
+        if self.exempt or self.padding:
+            raise InputError("has exemptions already", where="world", mend="ask the one without")
+        if key == (frozenset(), 0.0):
+            return self
+        if key not in self._made:
             for finger in fingers:
                 if finger not in self.bodies.tips:
                     raise UnknownNameError("finger", finger, self.bodies.tips)
@@ -94,10 +101,10 @@ class CollisionWorld:
             world = object.__new__(CollisionWorld)
             world.robot, world.tool = self.robot, self.tool
             world.table_height, world.clearance_min = self.table_height, self.clearance_min
-            world._worlds = self._worlds
+            world._everything = self._everything
             world._prepare(self.bodies, *key)
-            self._worlds[key] = world
-        return self._worlds[key]
+            self._made[key] = world
+        return self._made[key]
 
     @cached_property
     def reach(self) -> Array:
@@ -151,8 +158,7 @@ class CollisionWorld:
         if finger not in self._tip_pairs:
             raise UnknownNameError("finger", finger, self._tip_pairs)
         full = self._place(q, oRtool, position)
-        everything = self._worlds[frozenset(), 0.0]
-        geometry, shapes = everything._geometry, everything._shapes
+        geometry, shapes = self._everything
         pin.updateGeometryPlacements(self.bodies.model, self._data, geometry, shapes, full)
         places = [
             geometry.findCollisionPair(pin.CollisionPair(*p)) for p in self._tip_pairs[finger]

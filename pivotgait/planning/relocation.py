@@ -41,8 +41,8 @@ class Relocation(FrozenArrays):
         trajectory: the timed motion, None if not found.
         q: (N, nv) path after shortcuts; of a failed attempt, empty.
         s: (N,) parameter of the tool's path along it.
-        length_found: of the search's path, the sum of bounds on motion [m].
-        length: of the path after shortcuts [m].
+        length_found: of the search's path without retreats, the sum of bounds on motion [m].
+        length: of the whole path after shortcuts, retreats included [m].
         iterations: samples drawn by the search.
         nodes: of the trees from start and goal.
         nearest: what was missing between the trees, as a bound on motion [m]; 0 if found.

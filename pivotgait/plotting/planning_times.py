@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from pivotgait.frozen import Array
 from pivotgait.plotting.style import LIMIT_COLOUR, PAGE_WIDTH, new_figure, styled
@@ -22,10 +23,10 @@ def planning_times(panels: Mapping[str, Mapping[str, Array]], *, limit_s: float)
             unsolved; up to four sets in a panel.
         limit_s: time that a solution may take.
     """
-    figure = new_figure(PAGE_WIDTH, 2.3)
-    axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    figure = new_figure(PAGE_WIDTH, 3.0)
+    axes = figure.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False)[0]
+    first, last = _span([times for sets in panels.values() for times in sets.values()], limit_s)
     for axis, (title, sets) in zip(axes, panels.items(), strict=True):
-        first, last = _span(list(sets.values()), limit_s)
         axis.axvline(limit_s, color=LIMIT_COLOUR, lw=0.9, ls=(0, (4, 2)))
         for (name, times), colour in zip(sets.items(), _COLOURS, strict=False):
             solved = np.sort(times[np.isfinite(times)])
@@ -35,13 +36,15 @@ def planning_times(panels: Mapping[str, Mapping[str, Array]], *, limit_s: float)
             axis.step(across, up, where="post", color=colour, label=name)
         axis.set_xscale("log")
         axis.set_xlim(first, last)
+        axis.xaxis.set_major_formatter(FuncFormatter(lambda time, _: f"{time:g}"))
+        axis.xaxis.set_minor_formatter(NullFormatter())
         axis.set_ylim(0.0, 102.0)
         axis.set_xlabel("time [s]")
         axis.set_title(title)
-        axis.legend(loc="lower right", frameon=False)
-        axis.annotate(
-            "limit", (limit_s, 4.0), xytext=(-3, 0), textcoords="offset points", ha="right"
-        )
+        place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.3), "ncols": 1}
+        axis.legend(**place, frameon=False, columnspacing=1.2, handlelength=1.6)
+        beside = {"xytext": (-3, 0), "textcoords": "offset points", "rotation": 90}
+        axis.annotate("limit", (limit_s, 4.0), **beside, ha="right", va="bottom")
     axes[0].set_ylabel("problems solved [%]")
     return figure
 

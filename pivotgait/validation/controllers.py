@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from pivotgait.control.controller import Controller
-from pivotgait.control.hybrid import HybridController
-from pivotgait.control.reference import Reference
+from pivotgait.control import (
+    AdmittanceController,
+    Controller,
+    FeedForwardController,
+    HybridController,
+    PositionController,
+    Reference,
+)
 from pivotgait.exceptions import UnknownNameError
 
-CONTROLLERS: Mapping[str, Callable[[Reference], Controller]] = {"hybrid": HybridController}
-"""Makers by name."""
+CONTROLLERS: Mapping[str, Callable[[Reference, float], Controller]] = {
+    "hybrid": lambda reference, period: HybridController(reference),
+    "admittance": lambda reference, period: AdmittanceController(reference, period=period),
+    "position": lambda reference, period: PositionController(reference, period=period),
+    "feedforward": lambda reference, period: FeedForwardController(reference),
+}
+"""Makers by name, of a reference and the length of a control cycle [s]."""
 
 
 def check_controller(name: str) -> None:
@@ -23,11 +33,11 @@ def check_controller(name: str) -> None:
         raise UnknownNameError("controller", name, CONTROLLERS)
 
 
-def make_controller(name: str, reference: Reference) -> Controller:
-    """A control law that follows ``reference``.
+def make_controller(name: str, reference: Reference, period: float) -> Controller:
+    """A control law that follows ``reference`` in cycles of ``period`` [s].
 
     Raises:
         UnknownNameError: listing the control laws.
     """
     check_controller(name)
-    return CONTROLLERS[name](reference)
+    return CONTROLLERS[name](reference, period)

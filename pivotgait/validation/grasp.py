@@ -90,7 +90,7 @@ def standing_off(plan: GaitPlan, robot: Robot, distance: float) -> Array:
             continue
         finger = robot.fingers[name]
         columns = list(finger.columns)
-        goal = _tip(robot, data, finger.tip_frame_id, q) - distance * turn @ track.normal
+        goal = _tip(robot, data, finger.tip_frame_id, q) - distance * (turn @ track.normal)
         for _ in range(_ITERATIONS):
             error = goal - _tip(robot, data, finger.tip_frame_id, q)
             if np.linalg.norm(error) < _TOLERANCE_M:
@@ -104,7 +104,7 @@ def standing_off(plan: GaitPlan, robot: Robot, distance: float) -> Array:
             )[:3, columns]
             damped = jacobian @ jacobian.T + _DAMPING * np.eye(3)
             q[columns] += jacobian.T @ np.linalg.solve(damped, error)
-    return np.clip(q, robot.lower, robot.upper)
+    return np.asarray(np.clip(q, robot.lower, robot.upper))
 
 
 def _tip(robot: Robot, data: pin.Data, frame: int, q: Array) -> Array:

@@ -95,7 +95,9 @@ class Perturbation(FrozenArrays):
             finger_friction_scale=about(1.0, config.friction_share),
             table_friction_scale=about(1.0, config.friction_share),
             handle_growth=about(0.0, config.handle_width_m),
-            joint_friction=config.joint_friction_share * rng.uniform(size=robot.nv) * _finite(robot),
+            joint_friction=config.joint_friction_share
+            * rng.uniform(size=robot.nv)
+            * _finite(robot),
             sensing=ForceSensing(
                 gain={name: about(1.0, config.force_gain_share) for name in robot.fingers},
                 turn={name: _turn(rng, config.force_direction_deg) for name in robot.fingers},

@@ -11,6 +11,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from pivotgait.frozen import Array
+from pivotgait.models.robot_parts import write
+from pivotgait.models.urdf.nodes import read_nodes
 from pivotgait.validation.link_pairs import quiet_pairs
 from pivotgait.validation.simulator import SimulatorOptions, SimulatorState
 from pivotgait.validation.world import World
@@ -42,7 +44,7 @@ class PyBulletSimulator:
         try:
             self._set_engine()
             self.table = self._add_table()
-            self.robot = self._load("robot", world.robot_urdf, fixed=True)
+            self.robot = self._load("robot", _undamped(world.robot_urdf), fixed=True)
             self.tool = self._load("tool", world.tool_urdf, fixed=False)
             self._map_joints()
             self._set_bodies()
@@ -155,7 +157,7 @@ class PyBulletSimulator:
 
     def _name(self, body: int, link: int) -> str:
         if body == self.robot:
-            return self._links[link]
+            return str(self._links[link])
         return "tool" if body == self.tool else "table"
 
     def __enter__(self) -> Self:
@@ -227,7 +229,6 @@ class PyBulletSimulator:
                     link,
                     linearDamping=0.0,
                     angularDamping=0.0,
-                    jointDamping=0.0,
                     maxJointVelocity=1e4,
                     physicsClientId=client,
                 )
@@ -285,3 +286,12 @@ class PyBulletSimulator:
             self._bullet.setCollisionFilterPair(
                 self.robot, self.table, place[link], _BASE, 0, physicsClientId=self.client
             )
+
+
+def _undamped(urdf: str) -> str:
+    """URDF text without joint damping, which Bullet integrates explicitly and cannot change."""
+    root = read_nodes(urdf, where="robot of the plan")
+    for joint in root.all("joint"):
+        for dynamics in joint.all("dynamics"):
+            dynamics.attributes["damping"] = "0"
+    return write(root)

@@ -74,6 +74,19 @@ class RunOptions:
         return self.steps_per_cycle * self.engine.step_s
 
 
+@dataclass(frozen=True)
+class Timing:
+    """Mean times of a control cycle on this machine.
+
+    Attributes:
+        control_s: of the controller [s].
+        simulator_s: of the simulator's steps and its state [s].
+    """
+
+    control_s: float
+    simulator_s: float
+
+
 def run(
     plan: GaitPlan,
     scene: Scene,
@@ -81,7 +94,7 @@ def run(
     options: RunOptions,
     *,
     controller: Callable[[Reference], Controller] | None = None,
-) -> RunSeries:
+) -> tuple[RunSeries, Timing]:
     """Carry a plan out in a simulator.
 
     Args:
@@ -99,7 +112,10 @@ def run(
         raise InputError("has no robot", where="plan", mend="plan a scene with a robot")
     longer = with_grasp(plan, robot, options.grasp_s)
     reference = Reference.of(longer, robot)
-    law = controller(reference) if controller else make_controller(options.controller, reference)
+    if controller is None:
+        law = make_controller(options.controller, reference, options.cycle_s)
+    else:
+        law = controller(reference)
     real = real_tool(plan, scene, perturbation)
     start = standing_off(plan, robot, options.standoff_m)
     with make_simulator(
@@ -109,9 +125,9 @@ def run(
         sensors = Sensors(perturbation, tuple(robot.fingers), options.cycle_s)
         cycles = round((reference.duration + options.hold_s) / options.cycle_s)
         tape = Tape(tuple(robot.fingers), robot.joint_names, cycles)
-        return _Loop(simulator, law, sensors, tape, robot.effort_max, options).turn(
-            cycles, real.tool.pivot_in_tool
-        )
+        loop = _Loop(simulator, law, sensors, tape, robot.effort_max, options)
+        diverged, timing = loop.turn(cycles)
+    return tape.series(diverged=diverged, pivot_in_tool=real.tool.pivot_in_tool), timing
 
 
 def real_world(plan: GaitPlan, real: RealTool, perturbation: Perturbation) -> World:
@@ -142,36 +158,30 @@ class _Loop:
     effort_max: Array
     options: RunOptions
 
-    def turn(self, cycles: int, pivot_in_tool: Array) -> RunSeries:
-        """Run ``cycles`` control cycles, or until the simulation has gone astray."""
+    def turn(self, cycles: int) -> tuple[str, Timing]:
+        """Run ``cycles`` control cycles, or until the simulation has gone astray: why."""
         options, simulator = self.options, self.simulator
         thinking = stepping = 0.0
-        diverged, start = "", None
         self.law.reset()
         state = simulator.state()
+        begin = state.tool_position
         for cycle in range(cycles):
             time = cycle * options.cycle_s
             measurement = self.sensors.read(time, state)
             before = clock.perf_counter()
             asked = self.law.torque(measurement)
             thinking += clock.perf_counter() - before
+            astray = _astray(state, asked, begin)
+            if astray:
+                return astray, Timing(thinking / (cycle + 1), stepping / (cycle + 1))
             self.tape.write(time - options.grasp_s, state, asked, measurement.force)
-            start = state.tool_position if start is None else start
-            diverged = _astray(state, asked, start)
-            if diverged:
-                break
             torque = np.clip(asked, -self.effort_max, self.effort_max)
             before = clock.perf_counter()
             for _ in range(options.steps_per_cycle):
                 simulator.step(torque)
             state = simulator.state()
             stepping += clock.perf_counter() - before
-        return self.tape.series(
-            diverged=diverged,
-            pivot_in_tool=pivot_in_tool,
-            control_s=thinking / max(self.tape.count, 1),
-            simulator_s=stepping / max(self.tape.count, 1),
-        )
+        return "", Timing(thinking / max(cycles, 1), stepping / max(cycles, 1))
 
 
 def _astray(state: SimulatorState, torque: Array, start: Array) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pivotgait.frozen import Array, FrozenArrays
 
@@ -28,8 +28,6 @@ class RunSeries(FrozenArrays):
         touching_table: (M,) times [s] at which the table bore the tool elsewhere than at the tip.
         diverged: why the run was broken off, empty if it was not.
         pivot_in_tool: (3,) of the real tool [m].
-        control_s: mean time the controller took for a cycle [s], on this machine.
-        simulator_s: the same of the simulator's steps and readings.
     """
 
     fingers: tuple[str, ...]
@@ -47,5 +45,20 @@ class RunSeries(FrozenArrays):
     touching_table: Array
     diverged: str
     pivot_in_tool: Array
-    control_s: float
-    simulator_s: float
+
+    def every(self, step: int) -> RunSeries:
+        """Each ``step``-th cycle; the times of touches stay."""
+        rows = {name: getattr(self, name)[::step] for name in (*_PER_CYCLE, "time")}
+        return replace(self, **rows)
+
+
+_PER_CYCLE = (
+    "q",
+    "v",
+    "tau",
+    "tool_position",
+    "tool_orientation",
+    "force",
+    "reading",
+    "pivot_force",
+)

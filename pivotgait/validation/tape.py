@@ -47,9 +47,7 @@ class Tape:
             self._touches.setdefault(pair, []).append(time)
         self.count += 1
 
-    def series(
-        self, *, diverged: str, pivot_in_tool: Array, control_s: float, simulator_s: float
-    ) -> RunSeries:
+    def series(self, *, diverged: str, pivot_in_tool: Array) -> RunSeries:
         """The cycles written so far."""
         rows = slice(0, self.count)
         touches = {name: np.array(times) for name, times in sorted(self._touches.items())}
@@ -69,6 +67,4 @@ class Tape:
             touches=touches,
             diverged=diverged,
             pivot_in_tool=pivot_in_tool,
-            control_s=control_s,
-            simulator_s=simulator_s,
         )

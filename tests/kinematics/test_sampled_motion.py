@@ -20,7 +20,10 @@ TURN, SHIFT = np.array([0.10, -0.12, 0.08]), np.array([0.010, -0.012, 0.008])
 
 def law(time: Array) -> tuple[Array, Array, Array]:
     """From rest to rest in one second."""
-    rate, change = 30.0 * (time * (1.0 - time)) ** 2, 60.0 * time * (1.0 - time) * (1.0 - 2.0 * time)
+    rate, change = (
+        30.0 * (time * (1.0 - time)) ** 2,
+        60.0 * time * (1.0 - time) * (1.0 - 2.0 * time),
+    )
     return time**3 * (10.0 - 15.0 * time + 6.0 * time**2), rate, change
 
 
@@ -76,7 +79,9 @@ def test_samples_that_are_dense_give_the_motion_s_own_speeds(grip: Any) -> None:
         middle, step = count // 2, 1e-3
         around = tool_motion(0.5 + step * np.arange(-2, 3), grip.oRtool, grip.position)
         ways = around.rotation.as_matrix(), around.position
-        exact = [project(chain, grip.q, *each, tolerance=1e-12).q for each in zip(*ways, strict=True)]
+        exact = [
+            project(chain, grip.q, *each, tolerance=1e-12).q for each in zip(*ways, strict=True)
+        ]
         speed = np.tensordot([1.0, -8.0, 0.0, 8.0, -1.0], exact, axes=1) / (12.0 * step)
         growth = np.tensordot([-1.0, 16.0, -30.0, 16.0, -1.0], exact, axes=1) / (12.0 * step**2)
         errors.append((np.abs(v[middle] - speed).max(), np.abs(a[middle] - growth).max()))
