@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
+from scipy.spatial.transform import Rotation, Slerp
 
 from pivotgait.exceptions import InfeasibleError
 from pivotgait.frozen import Array
@@ -219,17 +220,22 @@ class HandPlanner:
     def _check_clearance(
         self, place: int, motion: JointMotion, phase: Phase, touching: frozenset[str]
     ) -> None:
-        """At every sample; a phase moves no shape by more than a few millimetres between two."""
-        world, turn = self.world.holding(touching), phase.tool.rotation.as_matrix()
-        position = phase.tool.position
+        """At every sample and halfway between two, where shapes are a few millimetres on."""
         if np.all(motion.q == motion.q[0]):
             return  # at a key pose, where it was checked
-        if all(world.free(q, R, o) for q, R, o in zip(motion.q, turn, position, strict=True)):
+        world, rotation = self.world.holding(touching), phase.tool.rotation
+        step = np.diff(phase.time)[:, None]
+        halfway = Slerp(phase.time, rotation)(phase.time[:-1] + 0.5 * step[:, 0])
+        between = 0.5 * (motion.q[:-1] + motion.q[1:]) - 0.125 * step * np.diff(motion.v, axis=0)
+        q = np.concatenate((motion.q, between))
+        turns = Rotation.concatenate((rotation, halfway))
+        poses = turns.as_matrix(), self._setting.scene.centre_of_mass(turns)
+        if all(world.free(*each) for each in zip(q, *poses, strict=True)):
             return
-        found = [world.clearance(q, R, o) for q, R, o in zip(motion.q, turn, position, strict=True)]
-        sample = int(np.argmin([distance for distance, _ in found]))
-        what = "collision: " + " - ".join(found[sample][1])
-        raise Blocked(place, sample, motion.q[sample], what)
+        found = [world.clearance(*each) for each in zip(q, *poses, strict=True)]
+        worst = int(np.argmin([distance for distance, _ in found]))
+        what = "collision: " + " - ".join(found[worst][1])
+        raise Blocked(place, worst % len(motion.q), q[worst], what)
 
     def _relocate(self, step: Step, start: Array, goal: Array, postures: Postures) -> Phase:
         scene, config, grasp = self._setting.scene, step.config, step.before
