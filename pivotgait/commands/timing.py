@@ -12,13 +12,14 @@ def run_bench(quick: bool, out: Output) -> int:
     """Run every benchmark and print its table."""
     from pivotgait.benchmarks import (
         allocation_rows,
+        control_rows,
         import_rows,
         relocation_rows,
         removal_rows,
     )
 
     rows = []
-    jobs = (allocation_rows, removal_rows, relocation_rows, import_rows)
+    jobs = (allocation_rows, removal_rows, relocation_rows, control_rows, import_rows)
     with out.progress("measuring", len(jobs)) as bar:
         for job in jobs:
             rows += job(quick)

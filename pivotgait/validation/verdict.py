@@ -152,7 +152,7 @@ def _losses(series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:
 
 def _turns(series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:
     apart = np.degrees(orientation_errors(series, planned))
-    row = _first(np.greater(apart, rule.orientation_deg))
+    row = _first(np.atleast_1d(apart > rule.orientation_deg))
     if row is None:
         return []
     what = f"the tool turned {rule.orientation_deg:g} degrees away from the plan"
