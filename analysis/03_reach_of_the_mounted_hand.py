@@ -384,7 +384,7 @@ def main(quick: bool = False, out: Path = Path("reports/out/analysis/03")) -> di
     Returns:
         What the JSON file holds.
     """
-    console, began = Console(), perf_counter()
+    console, began = Console(markup=False), perf_counter()
     tasks = [Task.of(load_scene(name)) for name in SCENES]
     chosen = Mounting.of(tasks[0].urdf)
     tilts = [15.0, 30.0, 45.0] if quick else TILT_DEG.tolist()

@@ -123,18 +123,39 @@ def run(
     seed: Seed = 0,
     gait: Gait = None,
     hand: Hand = True,
-    view: Annotated[bool, typer.Option("--view/--no-view", help="Write view.html too.")] = True,
+    view: Annotated[
+        bool, typer.Option("--view/--no-view", help="Write view.html and run_view.html too.")
+    ] = True,
+    validate: Annotated[
+        bool | None,
+        typer.Option(
+            "--validate/--no-validate",
+            help="Carry the plan out in PyBullet; else: if it has a robot.",
+        ),
+    ] = None,
+    trials: Annotated[
+        int, typer.Option(min=0, max=100_000, help="Perturbed trials after the nominal run.")
+    ] = 0,
     json: Json = False,
     debug: Debug = False,
 ) -> int:
-    """Plan, certify and report: the whole job in one command.
+    """Plan, certify, carry out in a simulator and report: the whole job in one command.
 
     Example: `pivotgait run knife --out reports/out/knife`
     """
     from pivotgait.commands.output import Output
-    from pivotgait.commands.planning import run_all
+    from pivotgait.commands.reporting import ClosedLoop, run_all
 
-    return run_all(scene, out, seed, gait, Output(json), hand=hand, view=view)
+    return run_all(
+        scene,
+        out,
+        seed,
+        gait,
+        Output(json),
+        hand=hand,
+        view=view,
+        closed_loop=ClosedLoop(validate, trials),
+    )
 
 
 @app.command()
@@ -148,7 +169,7 @@ def report(
     Example: `pivotgait report reports/out/knife`
     """
     from pivotgait.commands.output import Output
-    from pivotgait.commands.planning import run_report
+    from pivotgait.commands.reporting import run_report
 
     return run_report(folder, Output(json))
 

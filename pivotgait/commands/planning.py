@@ -1,11 +1,10 @@
-"""``plan``, ``certify`` and ``run``: from a scene to a certified plan and its report."""
+"""``plan`` and ``certify``: from a scene to a certified plan."""
 
 from __future__ import annotations
 
 import json
 import os
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -181,75 +180,6 @@ def run_certify(path: Path, out: Output) -> int:
         out.table(path.name, columns, rows)
     out.emit(certificate.as_json())
     return 0 if certificate.valid else 1
-
-
-def run_all(
-    scene: str,
-    folder: Path,
-    seed: int,
-    gait: str | None,
-    out: Output,
-    *,
-    hand: bool = True,
-    view: bool = True,
-) -> int:
-    """Plan, certify, record the view (if told) and report into a folder; returns the exit code."""
-    from pivotgait.reporting import report_from_folder
-    from pivotgait.viewing import write_view
-
-    made = _make_folder(folder)
-    try:
-        planned = make_plan(scene, folder / "plan.h5", seed, gait, out, hand=hand)
-    except BaseException:
-        for each in made:  # only folders of our own, and only empty ones
-            with suppress(OSError):
-                each.rmdir()
-        raise
-    write_json(folder / "summary.json", planned.summary)
-    (folder / "view.html").unlink(missing_ok=True)  # an old one would show another plan
-    if view:
-        write_view(planned.plan, folder / "view.html")
-    with out.progress("drawing the report", 1) as bar:
-        page = report_from_folder(folder)
-        bar.advance(bar.task_ids[0])
-    show_phases(planned, out)
-    out.say(f"report: {escape(str(page))}")
-    out.emit({**planned.summary, "report": str(page)})
-    return 0 if planned.certificate.valid else 1
-
-
-def run_report(folder: Path, out: Output) -> int:
-    """Write the report of a folder that holds a plan."""
-    from pivotgait.reporting import report_from_folder
-
-    try:
-        there = folder.is_dir()
-    except OSError:  # a name too long for the file system
-        there = False
-    if not there:
-        raise InputError("is not a folder", where=str(folder)[:80], mend="give the --out of a run")
-    with out.progress("drawing the report", 1) as bar:
-        page = report_from_folder(folder)
-        bar.advance(bar.task_ids[0])
-    out.say(f"report: {escape(str(page))}")
-    out.emit({"report": str(page)})
-    return 0
-
-
-def _make_folder(folder: Path) -> list[Path]:
-    """Make a folder with those above it; returns the new ones, the deepest first.
-
-    Raises:
-        InputError: it cannot be made.
-    """
-    try:
-        missing = [each for each in (folder, *folder.parents) if not each.exists()]
-        folder.mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"cannot be made: {error}", where=str(folder), mend="give another --out"
-        ) from error
-    return missing
 
 
 def writable(path: Path) -> None:

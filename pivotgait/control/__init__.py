@@ -8,6 +8,7 @@ from pivotgait.control.hybrid import HybridController
 from pivotgait.control.measurement import Measurement
 from pivotgait.control.position import PositionController
 from pivotgait.control.reference import Reference
+from pivotgait.control.tool_feedback import ToolGains
 from pivotgait.control.tool_state import ToolState
 
 __all__ = [
@@ -20,5 +21,6 @@ __all__ = [
     "Measurement",
     "PositionController",
     "Reference",
+    "ToolGains",
     "ToolState",
 ]

@@ -62,6 +62,7 @@ class AdmittanceController:
         reference: the plan.
         gains: of law and servo.
         servo: of the robot.
+        commanded_normals: (m,) z_c of the holding fingers in the last cycle [m].
     """
 
     def __init__(
@@ -93,6 +94,7 @@ class AdmittanceController:
         """Forget integrals and offsets."""
         self._integral = dict.fromkeys(self.reference.robot.fingers, 0.0)
         self._offset = np.zeros(self.reference.robot.nv)
+        self.commanded_normals = np.zeros(0)
 
     def torque(self, measurement: Measurement) -> Array:
         """(n,) torques of the servo towards the commanded positions."""
@@ -102,7 +104,8 @@ class AdmittanceController:
         pin.forwardKinematics(self._model, self._data, q, v, self._rest)
         task.update(q, v, wanted)
         normal = measured_normal(task, wanted, measurement)
-        self._move(wanted, self._commanded(task, wanted, normal))
+        self.commanded_normals = self._commanded(task, wanted, normal)
+        self._move(wanted, self.commanded_normals)
         bent = contact_load(task, wanted, wanted.tool.rotation) / self.servo.stiffness
         commanded = wanted.q + self._offset + bent
         return self.servo.torque(q, v, commanded, wanted.v, touching_rows(task, wanted, normal))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import factorial
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -24,7 +25,7 @@ def quintic_spline(time: Array, values: Array, rates: Array, accelerations: Arra
     Returns:
         (N - 1, 6, C) coefficients in powers of the time since the step's start, low ones first.
     """
-    ends = [[(1, rates[k]), (2, accelerations[k])] for k in (0, -1)]
+    ends: Any = [[(1, rates[k]), (2, accelerations[k])] for k in (0, -1)]
     spline = make_interp_spline(time, values, k=DEGREE, bc_type=(ends[0], ends[1]))
     starts = np.asarray(time, dtype=float)[:-1]
     powers = [spline(starts, nu=order) / factorial(order) for order in range(DEGREE + 1)]

@@ -15,11 +15,13 @@ class HybridGains:
     The default follows from the apparent mass of a fingertip, 5 to 50 g for hands of human size
     (:func:`pivotgait.control.apparent_mass.apparent_masses`):
 
-    * K_p: a tip of m = 5 g that is held by position resists with m K_p = 50 N/m and one of 50 g
-      with 500 N/m; a hundredth of K_p lets a heavy tool roll. K_v = 2 sqrt(K_p) is critical
-      damping.
-    * k_m is twice the largest apparent mass: the law divides forces by it, so that a smaller one
-      asks for accelerations that a cycle's delay makes unstable; a larger one hardly reacts.
+    * K_p: a tip of m = 5 g that is held by position resists with m K_p = 50 N/m, one of 20 g
+      with 200 N/m. Much less lets a heavy tool roll; much more turns small errors of position
+      into tangential forces that a lightly pressed finger cannot bear. K_v = 2 sqrt(K_p) is
+      critical damping.
+    * k_m is twice the largest apparent mass or more: the law divides forces by it, so that a
+      smaller one asks for accelerations that a cycle's delay makes unstable; a much larger one
+      hardly reacts.
     * k_v is critical damping of k_m and k_p: 2 sqrt(k_m k_p).
     * k_p is a twentieth of the stiffness of the contacts (20 kN/m), as the force at rest is
       wrong by k_p times the error of the position, and a softer one lets the tool drift.
@@ -33,8 +35,8 @@ class HybridGains:
         contact_stiffness: estimated k_e [N/m]; the finger aims f_nd / k_e into the tool.
     """
 
-    position: float = 3e4
-    velocity: float = 350.0
+    position: float = 1e4
+    velocity: float = 200.0
     impedance_mass: float = 0.1
     impedance_damping: float = 20.0
     impedance_stiffness: float = 1000.0

@@ -35,7 +35,9 @@ class PhaseTask:
         z_rows: rows of the holding fingers' z.
         finger_names: of the m holding fingers.
         normals_in_tool: (m, 3) inward normals, tool frame.
-        levers_in_tool: (m, 3) from the tips' centres to their contacts, tool frame [m].
+        lever_crosses: (m, 3, 3) [l]x of the levers l from the tips' centres to their contacts,
+            tool frame [m].
+        contacts_in_tool: (m, 3) contact points, tool frame [m].
         frames: the m holding fingers, then the palm.
         matrix: (n, n) H at the last ``update``.
         error: (n,) s_d - s, with z_d = 0: the fingertip just touches the planned tool.
@@ -81,7 +83,10 @@ class PhaseTask:
         self.finger_names = tuple(hold.finger.name for hold in holds)
         self.normals_in_tool = np.array([hold.normal for hold in holds]).reshape(-1, 3)
         radii = np.array([[hold.finger.tip_radius] for hold in holds]).reshape(-1, 1)
-        self.levers_in_tool = radii * self.normals_in_tool
+        levers = radii * self.normals_in_tool
+        self.lever_crosses = np.array([pin.skew(lever) for lever in levers]).reshape(-1, 3, 3)
+        centres = np.array([hold.centre for hold in holds]).reshape(-1, 3)
+        self.contacts_in_tool = centres + levers
         self.z_rows = np.arange(ROWS_PER_HOLD - 1, held, ROWS_PER_HOLD)
         self.matrix = np.zeros((robot.nv, robot.nv))
         self.matrix[self._joint_rows, self.joint_columns] = 1.0

@@ -14,10 +14,10 @@ from pivotgait.models import Robot
 
 NEAR_SINGULAR = 3e-3
 """Smallest singular value of the scaled H below which the plain inverse is left [m]."""
-DAMPING = 2e-3
-"""Weight of the planned posture at a singular H [m]; it grows from 0 at ``NEAR_SINGULAR``."""
+DAMPING = 1e-2
+"""Weight of the planned posture in the weakest direction of a singular H [m]."""
 LEAST_DAMPING = 1e-5
-"""Weight with which a program is solved where H is regular [m]."""
+"""Weight of the planned posture in all directions, for programs that must be regular [m]."""
 _ROUNDS = 2
 
 
@@ -25,10 +25,11 @@ class Resolution:
     """qddot of eqs (15)-(16), by one of three ways that join continuously.
 
     1. H is regular and no limit is met: qddot = H^-1 s_res.
-    2. H comes near a singularity: qddot minimises |H qddot - s_res|^2 + rho^2 |qddot - posture|^2
-       in lengths (:class:`pivotgait.kinematics.TaskJacobian`), where rho grows from zero at
-       ``NEAR_SINGULAR`` and the posture's accelerations lead back to the planned joint motion,
-       which passes the singularity.
+    2. H comes near a singularity: qddot minimises |H qddot - s_res|^2 + rho^2 (w^T (qddot -
+       posture))^2 in lengths (:class:`pivotgait.kinematics.TaskJacobian`). w is the direction that
+       H hardly sees, rho grows from zero at ``NEAR_SINGULAR``, and the posture's accelerations
+       lead back to the planned joint motion, which passes the singularity. All other directions
+       keep their task.
     3. That would break a limit of a joint's position, speed or torque: the same within the limits,
        by ProxQP.
 
@@ -67,13 +68,17 @@ class Resolution:
         matrix = rows[:, None] * task.matrix * columns
         wanted = rows * resolved
         factors, pivots, singular = dgetrf(matrix)
-        nearness = 0.0 if singular else self._smallest_singular_value(factors, pivots)
+        nearness, weakest = 0.0, self._start
+        if not singular:
+            nearness, weakest = self._weakest_direction(factors, pivots)
         if nearness >= NEAR_SINGULAR:
             x, _ = dgetrs(factors, pivots, wanted)
-            way, damping = 0, LEAST_DAMPING
+            way, damping = 0, 0.0
         else:
-            damping = max(DAMPING * (1.0 - nearness / NEAR_SINGULAR), LEAST_DAMPING)
-            _, x, _ = dposv(*_normal_equations(matrix, wanted, posture / columns, damping))
+            damping = DAMPING * (1.0 - nearness / NEAR_SINGULAR)
+            _, x, _ = dposv(
+                *_normal_equations(matrix, wanted, posture / columns, damping * weakest)
+            )
             way = 1
         qddot = columns * x
         tau = np.asarray(pin.rnea(self._model, self._data, q, v, qddot) + load)
@@ -82,17 +87,21 @@ class Resolution:
             self.cycles[way] += 1
             return tau
         self.cycles[2] += 1
-        equations = _normal_equations(matrix, wanted, posture / columns, damping)
+        equations = _normal_equations(matrix, wanted, posture / columns, damping * weakest)
         return self._within_limits(equations, columns, (lower, upper), q, v, load)
 
-    def _smallest_singular_value(self, factors: Array, pivots: Array) -> float:
-        """Of the factored matrix, by inverse iteration from a fixed start, never too small."""
+    def _weakest_direction(self, factors: Array, pivots: Array) -> tuple[float, Array]:
+        """Smallest singular value [m], never too small, and its direction (n,).
+
+        By inverse iteration from a fixed start.
+        """
         x, norm = self._start, 1.0
         for _ in range(_ROUNDS):
-            x, _ = dgetrs(factors, pivots, x / norm, trans=1)
+            x, _ = dgetrs(factors, pivots, x, trans=1)
             x, _ = dgetrs(factors, pivots, x)
             norm = float(x.dot(x) ** 0.5)
-        return float(norm**-0.5)
+            x /= norm
+        return norm**-0.5, x
 
     def _within_limits(
         self,
@@ -116,17 +125,19 @@ class Resolution:
         x = self._program.solve(hessian, -right, self._rows, lower, upper)
         if x is None:
             _, x, _ = dposv(hessian, right)
-        return np.clip(inertia.dot(columns * x) + bias, -effort, effort)
+        return np.asarray(np.clip(inertia.dot(columns * x) + bias, -effort, effort))
 
 
 def _normal_equations(
-    matrix: Array, wanted: Array, posture: Array, damping: float
+    matrix: Array, wanted: Array, posture: Array, damped: Array
 ) -> tuple[Array, Array]:
-    """P and g of min 1/2 x^T P x - g^T x."""
-    weight = damping * damping
+    """P and g of min 1/2 x^T P x - g^T x; ``damped`` is the direction times its weight [m]."""
+    least = LEAST_DAMPING * LEAST_DAMPING
     hessian = matrix.T.dot(matrix)
-    hessian.flat[:: len(hessian) + 1] += weight
-    return hessian, matrix.T.dot(wanted) + weight * posture
+    hessian += damped[:, None] * damped
+    hessian.flat[:: len(hessian) + 1] += least
+    right = matrix.T.dot(wanted) + least * posture
+    return hessian, right + damped * damped.dot(posture)
 
 
 def _within(values: Array, lower: Array, upper: Array) -> bool:

@@ -12,6 +12,7 @@ from pivotgait.control.measurement import Measurement
 from pivotgait.control.phase_task import PhaseTask
 from pivotgait.control.reference import Instant, Reference
 from pivotgait.control.resolution import Resolution
+from pivotgait.control.tool_feedback import ToolFeedback, ToolGains
 from pivotgait.frozen import Array
 
 
@@ -30,10 +31,27 @@ class TaskController(ABC):
         tasks: of each phase.
     """
 
-    def __init__(self, reference: Reference, gains: HybridGains | None = None) -> None:
-        """A controller of one run after another; it owns its ``pinocchio.Data``."""
+    def __init__(
+        self,
+        reference: Reference,
+        gains: HybridGains | None = None,
+        *,
+        tool_gains: ToolGains | None = None,
+    ) -> None:
+        """A controller of one run after another; it owns its ``pinocchio.Data``.
+
+        Args:
+            reference: the plan.
+            gains: of the fingers; the default ones if not given.
+            tool_gains: of the forces that turn the tool back; none without.
+        """
         self.reference = reference
         self.gains = HybridGains() if gains is None else gains
+        self._feedback = (
+            None
+            if tool_gains is None
+            else ToolFeedback(tool_gains, reference.plan.tool.pivot_in_tool)
+        )
         robot = reference.robot
         self._model, self._data = robot.model, robot.model.createData()
         self._rest = np.zeros(robot.nv)
@@ -50,6 +68,9 @@ class TaskController(ABC):
         """(n,) tau = M qddot + N + J^T f with qddot = H^-1 (s_res - dH/dt qdot) (eqs 15-17)."""
         wanted = self.reference.at(measurement.time)
         task = self.tasks[wanted.phase]
+        if self._feedback is not None:
+            more = self._feedback.correction(task, wanted, measurement)
+            wanted = wanted._replace(force_in_tool=wanted.force_in_tool + more)
         q, v = measurement.q, measurement.v
         pin.computeJointJacobians(self._model, self._data, q)
         pin.forwardKinematics(self._model, self._data, q, v, self._rest)
@@ -60,7 +81,9 @@ class TaskController(ABC):
         if len(task.z_rows):
             resolved[task.z_rows] = self.resolved_normal(task, wanted, measurement)
         posture = wanted.a + gains.velocity * (wanted.v - v) + gains.position * (wanted.q - q)
-        load = contact_load(task, wanted, measurement.tool_rotation) + self._joint_damping * wanted.v
+        load = (
+            contact_load(task, wanted, measurement.tool_rotation) + self._joint_damping * wanted.v
+        )
         return self.resolution.torque(task, resolved, posture, q, v, load)
 
     @abstractmethod
@@ -76,7 +99,7 @@ def contact_load(task: PhaseTask, wanted: Instant, turn: Array) -> Array:
         wanted: the plan now.
         turn: (3, 3) world <- tool, with which the forces turn.
     """
-    moment = _cross(task.levers_in_tool, wanted.force_in_tool)
+    moment = (task.lever_crosses @ wanted.force_in_tool[:, :, None])[:, :, 0]
     wrench = np.concatenate((wanted.force_in_tool.dot(turn.T), moment.dot(turn.T)), axis=1)
     jacobian = task.frames.world_jacobian[: len(wrench)]
     return np.asarray(wrench.ravel().dot(jacobian.reshape(-1, jacobian.shape[2])))
@@ -94,10 +117,4 @@ def measured_normal(task: PhaseTask, wanted: Instant, measurement: Measurement) 
     return np.asarray((in_tool * task.normals_in_tool).sum(axis=1))
 
 
-def _cross(a: Array, b: Array) -> Array:
-    """(m, 3) products; several times leaner than NumPy's."""
-    return np.asarray(a[:, _NEXT] * b[:, _AFTER] - a[:, _AFTER] * b[:, _NEXT])
-
-
-_NEXT, _AFTER = [1, 2, 0], [2, 0, 1]
 _NONE = np.zeros(3)

@@ -8,6 +8,11 @@ from pivotgait.plotting.margins import margins
 from pivotgait.plotting.orientation import orientation
 from pivotgait.plotting.overview import overview
 from pivotgait.plotting.robot_scene import robot_scene
+from pivotgait.plotting.run_deviations import run_deviations
+from pivotgait.plotting.run_forces import run_angles, run_normal_forces
+from pivotgait.plotting.run_replay import replay
+from pivotgait.plotting.run_strip import run_strip
+from pivotgait.plotting.run_torques import run_torques
 from pivotgait.plotting.save import SavedFigure, figure_bytes, save_figure
 from pivotgait.plotting.snapshots import gait_strip, tool_snapshots
 from pivotgait.plotting.style import COLUMN_WIDTH, PAGE_WIDTH, contact_colours
@@ -28,7 +33,13 @@ __all__ = [
     "normal_forces",
     "orientation",
     "overview",
+    "replay",
     "robot_scene",
+    "run_angles",
+    "run_deviations",
+    "run_normal_forces",
+    "run_strip",
+    "run_torques",
     "save_figure",
     "tool_snapshots",
 ]

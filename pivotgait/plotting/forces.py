@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -62,7 +62,7 @@ def _draw(axes: Any, plan: GaitPlan, names: list[str], *, named: bool) -> None:
             last = EndLabel(name, float(normal[-1]), colours[name])
         labels += [last] if any(name in phase.contacts for phase in plan.phases) else []
     axes.set_ylim(0.0, 1.25 * largest or 1.0)
-    labels += _draw_bounds(axes, plan, names)
+    labels += draw_bounds(axes, plan, names)
     label_right(axes, labels)
 
 
@@ -74,8 +74,12 @@ def _normal_forces(plan: GaitPlan, name: str) -> Iterator[tuple[Span, Array]]:
             yield span, normal
 
 
-def _draw_bounds(axes: Any, plan: GaitPlan, names: list[str]) -> list[EndLabel]:
-    """Dash the bounds of ``names``; one out of sight is told by its label at the top."""
+def draw_bounds(axes: Any, plan: GaitPlan, names: Sequence[str]) -> list[EndLabel]:
+    """Dash the bounds of ``names``; one out of sight is told by its label at the top.
+
+    Returns:
+        Their labels, for :func:`label_right`.
+    """
     _, top = axes.get_ylim()
     shown: dict[tuple[str, float], None] = {}
     for span in spans(plan):

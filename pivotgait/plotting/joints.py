@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from pivotgait.exceptions import InputError
 from pivotgait.frozen import Array
-from pivotgait.margins.joints import LargestShare, ShareKind, joint_shares, largest_share
+from pivotgait.margins.joints import ShareKind, joint_shares
 from pivotgait.plans.plan import GaitPlan
 from pivotgait.plotting.labels import EndLabel, label_right
 from pivotgait.plotting.posture import skeleton
@@ -33,11 +33,16 @@ _REACHES = (0.12, 0.25, 0.5, 1.15)
 """Ends of the axis to choose from: the smallest that holds the curves."""
 
 
-class _Curve(NamedTuple):
+class JointCurve(NamedTuple):
     """Shares of a joint (N,) over times of the gait (N,) [s]."""
 
     time: Array
     share: Array
+
+    @property
+    def largest(self) -> float:
+        """Largest magnitude."""
+        return float(np.max(np.abs(self.share)))
 
 
 @styled
@@ -75,37 +80,62 @@ def joint_torques(plan: GaitPlan) -> Any:
 
 
 def _draw_all(plan: GaitPlan, kind: ShareKind, label: str) -> Any:
-    largest = largest_share(plan, kind)
-    if plan.robot is None or largest is None:
+    reach = 1.15 if kind == "range" else None
+    return draw_joints(plan, _curves(plan, kind), label, reach=reach)
+
+
+def draw_joints(
+    plan: GaitPlan,
+    curves: Mapping[str, Sequence[JointCurve]],
+    label: str,
+    *,
+    reach: float | None = None,
+    end: float | None = None,
+) -> Any:
+    """Shares of all joints in panels of arm and wrist, and each finger; the largest is marked.
+
+    Args:
+        plan: a gait with a robot.
+        curves: joint's name -> its curves one after the other.
+        label: of the vertical axes.
+        reach: where these end; by default such that all curves are seen.
+        end: of the time axis [s], if it is not the plan's.
+
+    Raises:
+        InputError: if the plan has no robot.
+        UrdfError: if the robot's URDF is broken.
+    """
+    if plan.robot is None:
         raise InputError("has no robot", where="plan", mend="plan a scene with a robot")
     body = skeleton(plan.robot)
     groups = {name: body.joints_of(name) for name in (PALM, *plan.robot.fingers)}
     groups = {name: joints for name, joints in groups.items() if joints}
     colours = {PALM: _PALM_COLOUR} | contact_colours(plan)
-    curves = _curves(plan, kind)
-    reach = 1.15 if kind == "range" else _reach(largest.value)
+    most = max((each for joint in curves.values() for each in joint), key=lambda c: c.largest)
+    reach = reach or _reach(most.largest)
     figure = new_figure(PAGE_WIDTH, 0.55 + 1.0 * len(groups))
     panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
     for number, (panel, (name, joints)) in enumerate(zip(panels, groups.items(), strict=True)):
-        shade_phases(panel, plan, named=number == 0)
+        shade_phases(panel, plan, named=number == 0, end=end)
         _shade_limits(panel, reach)
         _draw_group(panel, {joint: curves[joint] for joint in joints}, colours[name])
         panel.set_ylabel(f"{name}\n{label}")
-        if largest.joint in joints:
-            _mark(panel, plan, largest, curves[largest.joint])
+        for joint in joints:
+            if any(each is most for each in curves[joint]):
+                _mark(panel, joint, most)
     figure.align_ylabels(panels)
     beyond = "the limits, ±1, lie beyond these axes; " if reach < 1.0 else ""
     panels[-1].set_xlabel(f"{beyond}time [s]")
     return figure
 
 
-def _curves(plan: GaitPlan, kind: ShareKind) -> dict[str, list[_Curve]]:
+def _curves(plan: GaitPlan, kind: ShareKind) -> dict[str, list[JointCurve]]:
     """Every joint's curves, one for each phase."""
     names = plan.robot.joint_names if plan.robot else ()
-    found: dict[str, list[_Curve]] = {}
+    found: dict[str, list[JointCurve]] = {}
     for span, shares in zip(spans(plan), joint_shares(plan), strict=True):
         for name, curve in zip(names, shares.of(kind).T, strict=True):
-            found.setdefault(name, []).append(_Curve(span.time, curve))
+            found.setdefault(name, []).append(JointCurve(span.time, curve))
     return found
 
 
@@ -120,7 +150,7 @@ def _shade_limits(axes: Any, reach: float) -> None:
     axes.set_ylim(-reach, reach)
 
 
-def _draw_group(axes: Any, joints: dict[str, list[_Curve]], colour: str) -> None:
+def _draw_group(axes: Any, joints: Mapping[str, Sequence[JointCurve]], colour: str) -> None:
     """Curves of some joints, paler from the base outwards, named at their ends."""
     labels = []
     for place, (name, phases) in enumerate(joints.items()):
@@ -131,16 +161,14 @@ def _draw_group(axes: Any, joints: dict[str, list[_Curve]], colour: str) -> None
     label_right(axes, labels)
 
 
-def _mark(axes: Any, plan: GaitPlan, largest: LargestShare, phases: list[_Curve]) -> None:
+def _mark(axes: Any, joint: str, curve: JointCurve) -> None:
     """Mark and name the largest share, inwards from its place."""
-    number = [phase.name for phase in plan.phases].index(largest.phase)
-    curve = phases[number]
     sample = int(np.argmax(np.abs(curve.share)))
     time, value = float(curve.time[sample]), float(curve.share[sample])
     late, high = time > 0.6 * axes.get_xlim()[1], value > 0.0
     axes.plot(time, value, "o", ms=3.5, color=LIMIT_COLOUR, clip_on=False, zorder=5)
     axes.annotate(
-        f"largest: {largest.value:.2f}, {largest.joint}, {time:.2f} s",
+        f"largest: {curve.largest:.2f}, {joint}, {time:.2f} s",
         (time, value),
         xytext=(-6 if late else 6, -5 if high else 5),
         textcoords="offset points",

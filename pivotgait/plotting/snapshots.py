@@ -67,6 +67,17 @@ def gait_strip(plan: GaitPlan, *, columns: int = 4, width: float = PAGE_WIDTH) -
     moments = [Moment(timeline[0].phase, 0)]
     moments += [Moment(span.phase, len(span.phase.time) - 1) for span in timeline]
     titles = ["start"] + [f"{phase_title(s.phase)}\n{s.end:.2f} s" for s in timeline]
+    return draw_strip(plan, moments, titles, columns=columns, width=width)
+
+
+def draw_strip(
+    plan: GaitPlan, moments: Sequence[Moment], titles: Sequence[str], *, columns: int, width: float
+) -> Any:
+    """Moments in rows of at most ``columns`` pictures, each with its title; all share one scale.
+
+    Returns:
+        A matplotlib ``Figure``, ``width`` [in] wide.
+    """
     rows = -(-len(moments) // columns)
     columns = -(-len(moments) // rows)
     look = look_at(plan, moments, hand=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +26,14 @@ class Span(NamedTuple):
     def time(self) -> NDArray[np.float64]:
         """(N,) seconds from the start of the gait."""
         return np.asarray(self.start + self.phase.time - self.phase.time[0])
+
+
+class _Stretch(NamedTuple):
+    """A named part of the time axis [s]."""
+
+    title: str
+    start: float
+    end: float
 
 
 def spans(plan: GaitPlan) -> tuple[Span, ...]:
@@ -54,27 +63,34 @@ def phase_title(phase: Phase) -> str:
     return f"{phase.kind} {phase.finger}".strip()
 
 
-def shade_phases(axes: Any, plan: GaitPlan, *, named: bool = True) -> None:
-    """Shade each phase behind ``axes`` and, if ``named``, write its name above it."""
-    timeline = spans(plan)
-    for number, span in enumerate(timeline):
-        axes.axvspan(span.start, span.end, color=_SHADES[number % 2], lw=0, zorder=0)
-    axes.set_xlim(0.0, timeline[-1].end)
+def shade_phases(
+    axes: Any, plan: GaitPlan, *, named: bool = True, end: float | None = None
+) -> None:
+    """Shade each phase behind ``axes`` and, if ``named``, write its name above it.
+
+    With an ``end`` [s] after the plan's, what lies between is the final hold of a run.
+    """
+    stretches = [_Stretch(phase_title(span.phase), span.start, span.end) for span in spans(plan)]
+    if end is not None and end > stretches[-1].end:
+        stretches.append(_Stretch("final hold", stretches[-1].end, end))
+    for number, each in enumerate(stretches):
+        axes.axvspan(each.start, each.end, color=_SHADES[number % 2], lw=0, zorder=0)
+    axes.set_xlim(0.0, stretches[-1].end)
     if named:
-        _name_phases(axes, timeline)
+        _name(axes, stretches)
 
 
-def _name_phases(axes: Any, timeline: tuple[Span, ...]) -> None:
-    width = axes.figure.get_figwidth() * 0.85 / timeline[-1].end
-    words = [phase_title(span.phase).split() for span in timeline]
+def _name(axes: Any, stretches: Sequence[_Stretch]) -> None:
+    width = axes.figure.get_figwidth() * 0.85 / stretches[-1].end
+    words = [each.title.split() for each in stretches]
     fits = all(
-        max(map(len, two)) * _INCH_PER_LETTER <= (span.end - span.start) * width
-        for two, span in zip(words, timeline, strict=True)
+        max(map(len, two)) * _INCH_PER_LETTER <= (each.end - each.start) * width
+        for two, each in zip(words, stretches, strict=True)
     )
-    for two, span in zip(words, timeline, strict=True):
+    for two, each in zip(words, stretches, strict=True):
         axes.annotate(
             "\n".join(two) if fits else " ".join(two),
-            ((span.start + span.end) / 2, 1.0),
+            ((each.start + each.end) / 2, 1.0),
             xycoords=("data", "axes fraction"),
             xytext=(0 if fits else -2, 3),
             textcoords="offset points",

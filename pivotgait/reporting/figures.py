@@ -34,7 +34,7 @@ def _gait_pictures(plan: GaitPlan, folder: Path) -> Iterator[tuple[str, Picture]
     what = "The tool and the hand" if plan.robot else "The tool"
     holder = "the hand" if plan.robot else "its fingertips"
     hero = Picture(
-        _rendering(plotting.gait_strip(plan), folder, "hero"),
+        rendering(plotting.gait_strip(plan), folder, "hero"),
         alt=f"The {tool} on the table and {holder}, at the start and after each of {names}.",
         caption=f"{what} at the start and at the end of every phase. Arrows are the forces on "
         "the tool, cones the friction cones they must stay in.",
@@ -42,7 +42,7 @@ def _gait_pictures(plan: GaitPlan, folder: Path) -> Iterator[tuple[str, Picture]
     )
     yield "hero", hero
     overview = Picture(
-        _drawing(plotting.overview(plan), folder, "overview"),
+        drawing(plotting.overview(plan), folder, "overview"),
         alt=f"Normal forces, friction margins and orientation over time through {names}.",
         caption="Normal forces between their bounds, friction margins (a contact slips at 0), "
         "and the motion of the tool.",
@@ -59,7 +59,7 @@ def _robot_pictures(plan: GaitPlan, folder: Path) -> dict[str, Picture]:
         "joint_speeds": (plotting.joint_speeds, "Speed of every joint over its limit."),
         "joint_torques": (plotting.joint_torques, "Torque or force of every joint over its limit."),
     }
-    arm = _rendering(plotting.robot_scene(plan), folder, "robot_scene")
+    arm = rendering(plotting.robot_scene(plan), folder, "robot_scene")
     pictures = {
         "robot_scene": Picture(
             arm,
@@ -71,7 +71,7 @@ def _robot_pictures(plan: GaitPlan, folder: Path) -> dict[str, Picture]:
     }
     for name, (draw, caption) in drawings.items():
         pictures[name] = Picture(
-            _drawing(draw(plan), folder, name),
+            drawing(draw(plan), folder, name),
             alt=f"{caption} Over time, one panel for arm and wrist and one for each finger.",
             caption=caption,
             robot=True,
@@ -83,14 +83,14 @@ def _phase_pictures(plan: GaitPlan, phase: Phase, folder: Path) -> dict[str, Pic
     name = phase.name
     pictures = {
         f"{name}_snapshots": Picture(
-            _rendering(plotting.tool_snapshots(plan, name), folder, f"{name}_snapshots"),
+            rendering(plotting.tool_snapshots(plan, name), folder, f"{name}_snapshots"),
             alt=f"The {plan.tool.name} at the start, the middle and the end of {name}: "
             "whole above, its fingers close up below.",
             caption="Contact forces at the start, the middle and the end of the phase.",
             phase=name,
         ),
         f"{name}_angles": Picture(
-            _drawing(plotting.angle_to_normal(plan, name), folder, f"{name}_angles"),
+            drawing(plotting.angle_to_normal(plan, name), folder, f"{name}_angles"),
             alt=f"Angle of each contact force to its normal over {name}, and its limit.",
             caption="Angles between contact forces and normals; the limit of each is its "
             "friction angle, dashed.",
@@ -100,7 +100,7 @@ def _phase_pictures(plan: GaitPlan, phase: Phase, folder: Path) -> dict[str, Pic
     if phase.finger in phase.contacts:
         figure = plotting.force_in_cone(plan, name, phase.finger)
         pictures[f"{name}_cone"] = Picture(
-            _drawing(figure, folder, f"{name}_cone"),
+            drawing(figure, folder, f"{name}_cone"),
             alt=f"Path of the contact force of the {phase.finger} in its friction cone in {name}.",
             caption=f"The force of the {phase.finger}: its size against the cone, and its "
             "direction seen along the normal.",
@@ -109,13 +109,13 @@ def _phase_pictures(plan: GaitPlan, phase: Phase, folder: Path) -> dict[str, Pic
     return pictures
 
 
-def _rendering(figure: Any, folder: Path, name: str) -> bytes:
+def rendering(figure: Any, folder: Path, name: str) -> bytes:
     """Save a picture of the tool; a bitmap of it for the page."""
     plotting.save_figure(figure, folder, name)
     return plotting.figure_bytes(figure, "webp")
 
 
-def _drawing(figure: Any, folder: Path, name: str) -> bytes:
+def drawing(figure: Any, folder: Path, name: str) -> bytes:
     """Save a line drawing; its vector picture for the page."""
     plotting.save_figure(figure, folder, name)
     return plotting.figure_bytes(figure, "svg")

@@ -2,38 +2,55 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
 from pathlib import Path
 
 from pivotgait.exceptions import InputError
-from pivotgait.plans import read_plan
+from pivotgait.plans import GaitPlan, read_plan
 from pivotgait.reporting.figures import draw_figures
 from pivotgait.reporting.page import write_report
-from pivotgait.reporting.summary import read_summary
+from pivotgait.reporting.run_figures import draw_run_figures
+from pivotgait.reporting.summary import Trials, read_summary, trials_of
+from pivotgait.validation import read_summary as read_record_summary
+from pivotgait.validation.record_reading import RecordedRun, read_run
 
-VIEW = "view.html"
-"""The animated scene as ``pivotgait run`` leaves it beside the plan."""
+VIEW, RUN_VIEW = "view.html", "run_view.html"
+"""The animated scenes of the plan and of its run as ``pivotgait run`` leaves them beside it."""
+RECORD, TRIALS = "record.h5", "trials.h5"
+"""Records of the nominal run and of perturbed trials, likewise."""
+_OURS = re.compile(
+    r"hero|overview|robot_scene|joint_(positions|speeds|torques)|\d\d_\w+_(snapshots|angles|cone)|"
+    r"run_(strip|normal_forces|angles|deviations|torques)"
+)
+"""Names of the figures that a report may hold."""
 
 
 def report_from_folder(folder: Path) -> Path:
     """Draw the figures of ``folder/plan.h5`` and write ``report.html`` beside it.
 
-    ``figures/`` gets each figure as PDF and PNG. ``summary.json``, if there is one, is what
-    ``pivotgait plan --json`` printed (its planning times are shown), with the records of
-    ``pivotgait validate --json`` under ``validations``.
-
-    A ``view.html`` in the folder is linked.
+    ``figures/`` gets each figure as PDF and PNG, and loses those of an earlier report.
+    ``summary.json``, if there is one, is what ``pivotgait plan --json`` printed (its planning
+    times are shown), with the records of ``pivotgait validate --json`` under ``validations``.
+    ``record.h5`` is the plan's nominal run and ``trials.h5`` are perturbed trials, as
+    ``pivotgait validate -o`` writes them. Animated scenes in the folder are linked.
 
     Returns:
         Path of the page.
 
     Raises:
         PlanFileError: if there is no plan, or it is damaged.
+        RecordError: if a record is damaged, or of another plan.
         InputError: if the summary cannot be read, or the folder not be written.
     """
     plan = read_plan(folder / "plan.h5")
     summary = read_summary(folder / "summary.json")
+    run, trials = _run(folder, plan), _trials(folder, plan)
     try:
         figures = draw_figures(plan, folder / "figures")
+        if run:
+            figures |= draw_run_figures(plan, run, folder / "figures")
+        _remove_others(folder / "figures", figures)
     except OSError as error:
         raise InputError(
             f"cannot be written: {error.strerror}", where=str(folder), mend="check the folder"
@@ -45,6 +62,29 @@ def report_from_folder(folder: Path) -> Path:
         figures,
         plan_times=summary.plan_times,
         notes=summary.notes,
-        validations=summary.validations,
+        run=run,
+        validations=(*trials, *summary.validations),
         view=VIEW if (folder / VIEW).is_file() else "",
+        run_view=RUN_VIEW if run and (folder / RUN_VIEW).is_file() else "",
     )
+
+
+def _run(folder: Path, plan: GaitPlan) -> RecordedRun | None:
+    path = folder / RECORD
+    return read_run(path, plan) if path.exists() else None
+
+
+def _trials(folder: Path, plan: GaitPlan) -> tuple[Trials, ...]:
+    path = folder / TRIALS
+    if not path.exists():
+        return ()
+    return (trials_of(read_record_summary(path, plan), where=path.name),)
+
+
+def _remove_others(folder: Path, names: Iterable[str]) -> None:
+    """Remove figures of an earlier report that this one has not drawn; other files stay."""
+    kept = set(names)
+    for path in folder.iterdir():
+        drawn = path.suffix in (".pdf", ".png") and _OURS.fullmatch(path.stem)
+        if drawn and path.stem not in kept:
+            path.unlink()

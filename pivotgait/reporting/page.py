@@ -18,8 +18,10 @@ from pivotgait.plans.plan import GaitPlan
 from pivotgait.reporting.numbers import number, quantity
 from pivotgait.reporting.robot_rows import clearance, robot_headline, robot_rows
 from pivotgait.reporting.rows import check_rows, phase_rows, violation_rows
+from pivotgait.reporting.run_rows import run_rows
 from pivotgait.reporting.summary import Trials
-from pivotgait.reporting.verdict import verdict
+from pivotgait.reporting.verdict import run_sentence, verdict
+from pivotgait.validation.record_reading import RecordedRun
 
 _MEDIA = MappingProxyType(
     {b"\x89PNG": "image/png", b"<?xml": "image/svg+xml", b"RIFF": "image/webp"}
@@ -37,6 +39,7 @@ class Picture:
         phase: name of the phase it belongs to, empty for the whole gait.
         narrow: the same for a phone, if ``image`` would be too small to read there.
         robot: whether it shows the arm-hand over the whole gait.
+        run: whether it shows a closed-loop run.
     """
 
     image: bytes
@@ -45,6 +48,7 @@ class Picture:
     phase: str = ""
     narrow: bytes = b""
     robot: bool = False
+    run: bool = False
 
 
 def data_uri(image: bytes) -> str:
@@ -67,8 +71,10 @@ def write_report(
     *,
     plan_times: Mapping[str, float] = MappingProxyType({}),
     notes: Mapping[str, str] = MappingProxyType({}),
+    run: RecordedRun | None = None,
     validations: Sequence[Trials] = (),
     view: str = "",
+    run_view: str = "",
 ) -> Path:
     """Write ``report.html`` into ``folder``, whole or not at all.
 
@@ -79,8 +85,10 @@ def write_report(
         figures: by name; ``hero`` opens the page, those of a phase stand with it.
         plan_times: phase's name -> time to plan it [s].
         notes: phase's name -> a sentence about its making.
+        run: the plan's nominal closed-loop run, None if there is none.
         validations: closed-loop trials, one entry for each simulator and controller.
         view: name of the animated scene's file in ``folder``, empty if there is none.
+        run_view: the same of the run's animation.
 
     Returns:
         Path of the page.
@@ -94,8 +102,10 @@ def write_report(
         figures,
         plan_times=plan_times,
         notes=notes,
+        run=run,
         validations=validations,
         view=view,
+        run_view=run_view,
     )
     path = folder / "report.html"
     try:
@@ -115,8 +125,10 @@ def render_report(
     *,
     plan_times: Mapping[str, float] = MappingProxyType({}),
     notes: Mapping[str, str] = MappingProxyType({}),
+    run: RecordedRun | None = None,
     validations: Sequence[Trials] = (),
     view: str = "",
+    run_view: str = "",
 ) -> str:
     """The page's HTML; arguments as :func:`write_report`."""
     environment = Environment(
@@ -134,20 +146,25 @@ def render_report(
     return environment.get_template("report.html.j2").render(
         plan=plan,
         style=style,
-        verdict=verdict(certificate),
+        verdict=verdict(certificate, run),
         phases=phase_rows(plan, plan_times),
         checks=check_rows(found),
         violations=violation_rows(found),
         notes=notes,
+        run=run,
         validations=validations,
         view=view,
+        run_view=run_view,
+        run_sentence=run_sentence(run) if run else "",
+        run_rows=run_rows(run),
+        run_figures=[f for f in figures.values() if f.run],
         robot=robot_rows(plan),
         robot_headline=robot_headline(plan, found),
         clearance=clearance(found),
         hero=figures.get("hero"),
         robot_figures=[f for f in figures.values() if f.robot],
         gait_figures=[
-            f for name, f in figures.items() if not (f.phase or f.robot or name == "hero")
+            f for name, f in figures.items() if not (f.phase or f.robot or f.run or name == "hero")
         ],
         phase_figures=[
             (phase, pictures)

@@ -80,6 +80,7 @@ class Trials(BaseModel):
     rate: FiniteFloat | None = None
     wilson_95: tuple[FiniteFloat, FiniteFloat] | None = None
     stages: tuple[Stage, ...] = ()
+    failures: Mapping[str, int] = {}
 
 
 class Summary(BaseModel):
@@ -118,6 +119,19 @@ def read_summary(path: Path) -> Summary:
         raise InputError(f"cannot be read: {error.strerror}", where=path.name, mend=mend) from error
     except ValidationError as error:
         raise InputError(f"is no summary: {_first(error)}", where=path.name, mend=mend) from error
+
+
+def trials_of(summary: Mapping[str, Any], *, where: str) -> Trials:
+    """Trials from what their record says of them.
+
+    Raises:
+        InputError: if it does not say enough.
+    """
+    try:
+        return Trials.model_validate(summary)
+    except ValidationError as error:
+        what, mend = f"is no record of trials: {_first(error)}", "write it anew"
+        raise InputError(what, where=where, mend=mend) from error
 
 
 def _first(error: ValidationError) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -67,28 +68,23 @@ def with_grasp(plan: GaitPlan, robot: Robot, duration_s: float) -> GaitPlan:
     return replace(plan, phases=(grasp, *plan.phases))
 
 
-def standing_off(plan: GaitPlan, robot: Robot, distance: float) -> Array:
-    """(nv,) joint positions of the plan's start, each holding fingertip off its contact.
+def standing_off(plan: GaitPlan, robot: Robot, distances: Mapping[str, float]) -> Array:
+    """(nv,) joint positions of the plan's start, some fingertips off their contacts.
 
     Each finger's joints alone move its tip along the outward normal, by damped least squares.
 
     Args:
         plan: with a robot.
         robot: of the plan.
-        distance: from the contact [m].
-
-    Returns:
-        The plan's start itself where ``distance`` is 0.
+        distances: of the fingertips from their contacts [m], by finger.
     """
     first = plan.phases[0]
     assert first.robot is not None  # `with_grasp` refuses a plan without
     q = np.array(first.robot.q[0])
     data = robot.model.createData()
     turn = first.tool.rotation[0].as_matrix()
-    for name, track in first.contacts.items():
-        if track.is_pivot or name == first.finger:
-            continue
-        finger = robot.fingers[name]
+    for name, distance in distances.items():
+        track, finger = first.contacts[name], robot.fingers[name]
         columns = list(finger.columns)
         goal = _tip(robot, data, finger.tip_frame_id, q) - distance * (turn @ track.normal)
         for _ in range(_ITERATIONS):

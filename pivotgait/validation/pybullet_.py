@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from math import dist
 from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Any, Self
@@ -11,10 +12,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from pivotgait.frozen import Array
-from pivotgait.models.robot_parts import write
-from pivotgait.models.urdf.nodes import read_nodes
 from pivotgait.validation.link_pairs import quiet_pairs
 from pivotgait.validation.simulator import SimulatorOptions, SimulatorState
+from pivotgait.validation.undamped import undamped
 from pivotgait.validation.world import World
 
 _BASE = -1
@@ -44,7 +44,7 @@ class PyBulletSimulator:
         try:
             self._set_engine()
             self.table = self._add_table()
-            self.robot = self._load("robot", _undamped(world.robot_urdf), fixed=True)
+            self.robot = self._load("robot", undamped(world.robot_urdf), fixed=True)
             self.tool = self._load("tool", world.tool_urdf, fixed=False)
             self._map_joints()
             self._set_bodies()
@@ -116,40 +116,37 @@ class PyBulletSimulator:
     def _contacts(
         self, centre: Array, rotation: Array
     ) -> tuple[dict[str, Array], dict[str, Array], Array, tuple[str, ...]]:
-        """Forces and points of the fingertips, force on the tip, names of what else touches."""
-        forces = {name: np.zeros(3) for name in self._world.fingers}
-        moments: dict[str, Array] = {}
-        pivot, unwanted = np.zeros(3), set()
-        tip = centre + rotation @ self._world.pivot_in_tool
+        """Forces and points of the fingertips, force on the tip, names of what else touches.
+
+        In plain numbers: there are few points, and arrays of three cost more than they save.
+        """
+        sums = {name: [0.0] * 7 for name in self._world.fingers}
+        pivot, unwanted = [0.0] * 7, set()
+        tip = (centre + rotation @ self._world.pivot_in_tool).tolist()
         reach = self._world.tip_radius + _TIP_SLACK_M
         # Unfiltered: a filter may flip the normal but not the friction.
         for point in self._bullet.getContactPoints(physicsClientId=self.client):
-            normal_force = point[9]
-            if normal_force <= 0.0:
+            if point[9] <= 0.0:
                 continue
-            body_a, body_b = point[1], point[2]
-            if self.tool not in (body_a, body_b):
-                unwanted.add(self._pair(point))
-                continue
-            force = normal_force * np.array(point[7])
-            force += point[10] * np.array(point[11]) + point[12] * np.array(point[13])
-            on_tool = force if body_a == self.tool else -force  # Bullet's is the force on A
-            other, link, place = (
-                (body_b, point[4], point[5])
-                if body_a == self.tool
-                else (body_a, point[3], point[6])
-            )
-            finger = self._tip_fingers.get(link) if other == self.robot else None
-            if finger is not None:
-                forces[finger] += on_tool
-                moment = moments.setdefault(finger, np.zeros(4))
-                moment += normal_force * np.array((*place, 1.0))
-            elif other == self.table and np.linalg.norm(np.array(place) - tip) <= reach:
-                pivot += on_tool
+            if point[1] == self.tool:
+                body, link, place, sign = point[2], point[4], point[5], 1.0
+            elif point[2] == self.tool:
+                body, link, place, sign = point[1], point[3], point[6], -1.0
             else:
                 unwanted.add(self._pair(point))
-        points = {name: moment[:3] / moment[3] for name, moment in moments.items()}
-        return forces, points, pivot, tuple(sorted(unwanted))
+                continue
+            finger = self._tip_fingers.get(link) if body == self.robot else None
+            if finger is not None:
+                _add(sums[finger], point, place, sign)
+            elif body == self.table and dist(place, tip) <= reach:
+                _add(pivot, point, place, sign)
+            else:
+                unwanted.add(self._pair(point))
+        forces = {name: np.array(each[:3]) for name, each in sums.items()}
+        points = {
+            name: np.array(each[3:6]) / each[6] for name, each in sums.items() if each[6] > 0.0
+        }
+        return forces, points, np.array(pivot[:3]), tuple(sorted(unwanted))
 
     def _pair(self, point: Any) -> str:
         names = (self._name(point[1], point[3]), self._name(point[2], point[4]))
@@ -288,10 +285,14 @@ class PyBulletSimulator:
             )
 
 
-def _undamped(urdf: str) -> str:
-    """URDF text without joint damping, which Bullet integrates explicitly and cannot change."""
-    root = read_nodes(urdf, where="robot of the plan")
-    for joint in root.all("joint"):
-        for dynamics in joint.all("dynamics"):
-            dynamics.attributes["damping"] = "0"
-    return write(root)
+def _add(total: list[float], point: Any, place: Any, sign: float) -> None:
+    """Add a contact point's force on the tool, and its place weighted by its normal force.
+
+    Bullet tells the force on its body A: normal [7] times [9] and two directions of friction.
+    """
+    normal, one, two = point[7], point[11], point[13]
+    along, first, second = point[9], point[10], point[12]
+    for k in range(3):
+        total[k] += sign * (along * normal[k] + first * one[k] + second * two[k])
+        total[3 + k] += along * place[k]
+    total[6] += along

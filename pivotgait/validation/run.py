@@ -14,6 +14,7 @@ from pivotgait.exceptions import InputError
 from pivotgait.frozen import Array
 from pivotgait.models import Scene
 from pivotgait.plans import GaitPlan
+from pivotgait.validation.closing import closing_distances
 from pivotgait.validation.controllers import make_controller
 from pivotgait.validation.grasp import standing_off, with_grasp
 from pivotgait.validation.perturbation import Perturbation
@@ -43,7 +44,8 @@ class RunOptions:
         engine: step and contacts of the simulator.
         control_period_s: of the controller, a multiple of the engine's step unless that is longer.
         grasp_s: time in which the fingers close and take hold before the plan begins [s].
-        standoff_m: of the fingertips from their contacts at the start [m].
+        gap_m: of the fingertips from the tool when the controller takes over: fingers close
+            along their planned normals until they nearly touch, as a guarded move does [m].
         hold_s: time for which the final grasp is held [s].
     """
 
@@ -52,7 +54,7 @@ class RunOptions:
     engine: SimulatorOptions = field(default_factory=SimulatorOptions)
     control_period_s: float = 1e-3
     grasp_s: float = 0.8
-    standoff_m: float = 0.003
+    gap_m: float = 2e-4
     hold_s: float = 2.0
 
     @property
@@ -117,7 +119,7 @@ def run(
     else:
         law = controller(reference)
     real = real_tool(plan, scene, perturbation)
-    start = standing_off(plan, robot, options.standoff_m)
+    start = standing_off(plan, robot, closing_distances(plan, robot, real, options.gap_m))
     with make_simulator(
         options.simulator, real_world(plan, real, perturbation), options.engine
     ) as simulator:

@@ -129,10 +129,11 @@ def run_trials(
         if progress:
             progress(result)
     results = tuple(found[place] for place in range(len(seeds)))
-    return TrialSet(options, _stages(plan, results), results)
+    return TrialSet(options, stages_of(plan, results), results)
 
 
-def _stages(plan: GaitPlan, results: Sequence[TrialResult]) -> tuple[Stage, ...]:
+def stages_of(plan: GaitPlan, results: Sequence[TrialResult]) -> tuple[Stage, ...]:
+    """How many trials reached and passed each stage; one that never ran reached none."""
     names = stage_names(plan)
     ends = [_completed(result.verdict, names) for result in results]
     return tuple(

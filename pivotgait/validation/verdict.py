@@ -151,8 +151,8 @@ def _losses(series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:
 
 
 def _turns(series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:
-    apart = np.degrees(orientation_errors(series, planned))
-    row = _first(np.atleast_1d(apart > rule.orientation_deg))
+    apart = orientation_errors(series, planned)
+    row = _first(np.asarray(apart > np.radians(rule.orientation_deg), dtype=np.bool_))
     if row is None:
         return []
     what = f"the tool turned {rule.orientation_deg:g} degrees away from the plan"
@@ -162,7 +162,7 @@ def _turns(series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:
 def _limits(robot: Robot, series: RunSeries, rule: Rule) -> list[_Event]:
     events = []
     beyond: Flags = np.maximum(robot.lower - series.q, series.q - robot.upper) > rule.limit_rad
-    row = _first(beyond.any(axis=1))
+    row = _first(np.any(beyond, axis=1))
     if row is not None:
         joint = series.joint_names[int(np.argmax(beyond[row]))]
         events.append(_Event(float(series.time[row]), "limit", f"{joint} is beyond its limits"))

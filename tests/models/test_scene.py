@@ -196,7 +196,7 @@ def test_every_number_with_a_unit_says_so() -> None:
         "acceleration",
         "alignment",
     }
-    units = ("_m", "_deg", "_s", "_N", "_m_s2", "_N_s")
+    units = ("_m", "_deg", "_s", "_N", "_m_s2", "_N_s", "_share")
 
     def walk(model: type[BaseModel]) -> None:
         for name, field in model.model_fields.items():

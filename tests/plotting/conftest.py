@@ -22,6 +22,9 @@ from pivotgait.plans.plan import (
     RobotMotion,
     ToolMotion,
 )
+from pivotgait.validation import RunSeries
+from pivotgait.validation.planned import planned_at
+from pivotgait.validation.record_reading import RecordedMotion
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 PIVOT_IN_TOOL = np.array([0.22, 0.0, 0.014])
@@ -185,3 +188,51 @@ def plan():
 @pytest.fixture(scope="session")
 def robot_plan(plan):
     return with_robot(plan)
+
+
+def motion_of(plan, hold_s=0.4, every_s=0.01):
+    """The record of a run that follows ``plan`` to the letter, with slips and errors made up."""
+    ends = np.cumsum([phase.duration_s for phase in plan.phases])
+    time = np.arange(-0.1, ends[-1] + hold_s, every_s)
+    sampled = np.concatenate(
+        [p.time + end - p.duration_s for p, end in zip(plan.phases, ends, strict=True)]
+    )
+
+    def joined(name, part="robot"):
+        values = np.concatenate([getattr(getattr(p, part), name) for p in plan.phases])
+        return np.stack([np.interp(time, sampled, column) for column in values.T], axis=1)
+
+    fingers = tuple(plan.robot.fingers)
+    planned = planned_at(plan, time, fingers)
+    force = np.einsum("nij,nkj->nki", planned.rotation.as_matrix(), planned.force)
+    series = RunSeries(
+        fingers=fingers,
+        joint_names=plan.robot.joint_names,
+        time=time,
+        q=joined("q"),
+        v=joined("v"),
+        tau=joined("tau"),
+        tool_position=joined("position", "tool"),
+        tool_orientation=planned.orientation,
+        force=force,
+        reading=force,
+        pivot_force=planned.pivot_force,
+        touches={},
+        touching_table=np.zeros(0),
+        diverged="",
+        pivot_in_tool=plan.tool.pivot_in_tool,
+    )
+    begun = np.maximum(time, 0.0)
+    return RecordedMotion(
+        series,
+        planned,
+        tip_slip=1e-4 * begun,
+        fingertip_slips=dict.fromkeys(fingers, 0.0002 * begun),
+        orientation_error=np.radians(0.3 * begun),
+        torque_share=0.1 * np.sin(begun[:, None] + np.arange(len(plan.robot.joint_names))),
+    )
+
+
+@pytest.fixture(scope="session")
+def motion(robot_plan):
+    return motion_of(robot_plan)

@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 from pivotgait.reporting import Picture
+from pivotgait.validation import Metrics, Verdict
+from pivotgait.validation.record_reading import RecordedRun
 
 _KNIFE = Path(__file__).parents[1] / "plotting" / "conftest.py"
 
@@ -31,6 +33,17 @@ def plan(knife_plan):
 @pytest.fixture(scope="session")
 def robot_plan(plan, knife_module):
     return knife_module.with_robot(plan)
+
+
+@pytest.fixture(scope="session")
+def motion(robot_plan, knife_module):
+    return knife_module.motion_of(robot_plan)
+
+
+@pytest.fixture
+def run(motion):
+    metrics = Metrics(0.04, 0.3, 1.5, 0.31, 3.5, 0.4)
+    return RecordedRun("pybullet", "hybrid", Verdict(passed=True), metrics, motion)
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from pivotgait.models import Scene
 from pivotgait.plans import GaitPlan
-from pivotgait.validation import RunSeries, Verdict, judge
+from pivotgait.validation import Rule, RunSeries, Verdict, judge
 from pivotgait.validation.margins import measured_margins, planned_margins
 from pivotgait.validation.metrics import measure
 from pivotgait.validation.planned import planned_at
@@ -105,11 +105,14 @@ def test_a_finger_may_leave_when_it_is_removed(
 def test_roll_out(
     plan: GaitPlan, scene: Scene, faithful: RunSeries, degrees: float, passes: bool
 ) -> None:
-    # the fingers would slip, too: let only the last instants turn
-    angle = np.where(faithful.time > faithful.time[-1] - 0.01, np.radians(degrees), 0.0)
-    rule_free = replace(turned(faithful, angle), q=faithful.q)
-    found = verdict(plan, scene, rule_free)
-    assert (found.failure != "roll-out") == passes
+    angle = np.where(faithful.time > 3.0, np.radians(degrees), 0.0)
+    series = turned(faithful, angle)
+    rule = Rule(fingertip_slip_m=1.0)  # fingers that stay behind slip, too
+    found = judge(plan, scene.robot, series, planned_at(plan, series.time, series.fingers), rule)
+    assert found.passed == passes
+    if not passes:
+        assert found.failure == "roll-out"
+        assert found.time_s == pytest.approx(3.0, abs=0.003)
 
 
 @pytest.mark.parametrize(("metres", "passes"), [(2.5e-3, True), (3.5e-3, False)])
@@ -135,7 +138,7 @@ def test_a_slip_before_the_plan_begins_does_not_count(
 
 def test_limits(plan: GaitPlan, scene: Scene, faithful: RunSeries) -> None:
     q, tau = faithful.q.copy(), faithful.tau.copy()
-    q[600, 3] = scene.robot.upper[3] + 0.02
+    q[600, 13] = scene.robot.upper[13] + 0.02  # the middle finger is still free
     found = verdict(plan, scene, replace(faithful, q=q))
     assert found.failure == "limit"
     tau[600:605, 8] = 1.1 * scene.robot.effort_max[8]
