@@ -10,7 +10,7 @@ import numpy as np
 from pivotgait.exceptions import InputError
 from pivotgait.frozen import Array
 from pivotgait.margins.joints import ShareKind, joint_shares
-from pivotgait.plans.plan import GaitPlan
+from pivotgait.plans.plan import GaitPlan, PlannedRobot
 from pivotgait.plotting.labels import EndLabel, label_right
 from pivotgait.plotting.posture import skeleton
 from pivotgait.plotting.style import (
@@ -105,10 +105,9 @@ def draw_joints(
         InputError: if the plan has no robot.
         UrdfError: if the robot's URDF is broken.
     """
-    if plan.robot is None:
-        raise InputError("has no robot", where="plan", mend="plan a scene with a robot")
-    body = skeleton(plan.robot)
-    groups = {name: body.joints_of(name) for name in (PALM, *plan.robot.fingers)}
+    robot = _robot_of(plan)
+    body = skeleton(robot)
+    groups = {name: body.joints_of(name) for name in (PALM, *robot.fingers)}
     groups = {name: joints for name, joints in groups.items() if joints}
     colours = {PALM: _PALM_COLOUR} | contact_colours(plan)
     most = max((each for joint in curves.values() for each in joint), key=lambda c: c.largest)
@@ -129,9 +128,15 @@ def draw_joints(
     return figure
 
 
+def _robot_of(plan: GaitPlan) -> PlannedRobot:
+    if plan.robot is None:
+        raise InputError("has no robot", where="plan", mend="plan a scene with a robot")
+    return plan.robot
+
+
 def _curves(plan: GaitPlan, kind: ShareKind) -> dict[str, list[JointCurve]]:
     """Every joint's curves, one for each phase."""
-    names = plan.robot.joint_names if plan.robot else ()
+    names = _robot_of(plan).joint_names
     found: dict[str, list[JointCurve]] = {}
     for span, shares in zip(spans(plan), joint_shares(plan), strict=True):
         for name, curve in zip(names, shares.of(kind).T, strict=True):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import time as clock
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
@@ -15,6 +16,13 @@ from typing import Any
 from pivotgait.exceptions import InputError, PivotGaitError
 
 _POLL_S = 0.2
+_CHILD_ENVIRONMENT = {
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "PYTHONHASHSEED": "0",
+}
+"""One thread each, since there is a process on every core and threads add up in any order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,9 +96,25 @@ def _start(
     context = get_context("spawn")
     ours, theirs = context.Pipe(duplex=False)
     process = context.Process(target=_job, args=(theirs, work, arguments), daemon=True)
-    process.start()
+    with _inherited(_CHILD_ENVIRONMENT):
+        process.start()
     theirs.close()  # so that reading ends where the process does
     return _Running(place, process, ours, clock.monotonic() + time_limit_s)
+
+
+@contextmanager
+def _inherited(values: Mapping[str, str]) -> Iterator[None]:
+    """Environment variables for the processes started meanwhile."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
 
 
 def _job(pipe: Connection, work: Callable[..., Any], arguments: tuple[Any, ...]) -> None:

@@ -225,7 +225,7 @@ def test_joints_that_no_plan_can_use(old: str, new: str, message: str) -> None:
 
 KNIFE = export_scene("knife_allegro")
 GAIT = KNIFE[KNIFE.index("    - {kind: lift") :]
-LIFT, ADD, REMOVE, ADD_FAR = GAIT.splitlines()
+LIFT, _, ADD, REMOVE, _, ADD_FAR = GAIT.splitlines()
 
 
 def move(contact: str) -> str:
@@ -237,7 +237,7 @@ def with_gait(*phases: str) -> str:
 
 
 def test_a_gait_that_moves_its_free_fingers() -> None:
-    far = "index_edge_far"
+    far = "index_edge_near"
     gait = (LIFT, move("middle_flat"), ADD, REMOVE, move("index_edge"), move(far), ADD_FAR)
     scene = parse_scene(with_gait(*gait))
     moved = [phase.contact for phase in scene.gaits["default"] if phase.kind == "relocation"]
@@ -248,14 +248,14 @@ def test_a_gait_that_moves_its_free_fingers() -> None:
     ("text", "kind", "message"),
     [
         (
-            with_gait(LIFT, move("index_edge_far")),
+            with_gait(LIFT, move("index_edge_near")),
             SceneError,
             "gaits.default[1].contact: finger 'index' holds the tool at 'index_edge' - remove it",
         ),
         (
             with_gait(LIFT, ADD, REMOVE, move("index_edge"), ADD_FAR),
             SceneError,
-            "finger 'index' was moved to 'index_edge', not to 'index_edge_far'",
+            "finger 'index' was moved to 'index_edge', not to 'index_edge_near'",
         ),
         (with_gait(LIFT, move("middle_flt")), UnknownNameError, "did you mean 'middle_flat'?"),
         (

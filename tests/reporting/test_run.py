@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from pivotgait import plotting
 from pivotgait.exceptions import InputError
 from pivotgait.plans import write_plan
 from pivotgait.reporting import Picture, Trials, folder, render_report, verdict
@@ -98,7 +99,11 @@ def test_without_run_and_trials_there_is_no_section(plan, certificate, figures):
     assert "Closed loop" not in render_report(plan, certificate, figures)
 
 
-def test_every_figure_of_a_run_is_saved(robot_plan, run, tmp_path):
+def test_every_figure_of_a_run_is_saved(robot_plan, run, tmp_path, monkeypatch):
+    # the strip has its own tests; saving it takes seconds
+    monkeypatch.setattr(
+        plotting, "run_strip", lambda plan, motion, **_: plotting.run_deviations(plan, motion)
+    )
     pictures = draw_run_figures(robot_plan, run, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {
         f"{name}.{form}" for name in pictures for form in ("pdf", "png")
