@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from time import perf_counter
 
 import numpy as np
@@ -109,15 +110,20 @@ class HandPlanner:
         self.itinerary = Itinerary.of(scene, self._steps)
         self._left = dict(contacts_left(scene, self._steps))
 
-    def plan(self) -> HandGait:
+    def plan(self, like: Sequence[Phase] = ()) -> HandGait:
         """Carry the gait out from the first posture from which it can be.
+
+        Args:
+            like: phases of a similar plan with a hand, whose postures are tried first.
 
         Raises:
             InfeasibleError: naming what bound most often.
         """
         began, keys = perf_counter(), self.itinerary.keys
         search = PostureSearch(self._robot, self.world, keys, self._rng, self.options.postures)
-        for postures in search.candidates():
+        near = self._settle(self.itinerary, self.itinerary.postures_in(like)) if like else None
+        known = [near] if isinstance(near, Postures) else []
+        for postures in chain(known, search.candidates()):
             carried = self._refined(postures, self.itinerary)
             if isinstance(carried, str):
                 search.record.failures[carried] += 1
@@ -163,8 +169,9 @@ class HandPlanner:
 
     def _settle(self, itinerary: Itinerary, start: Array) -> Postures | Refused:
         options = self.options.postures
-        chain = PostureChain(self._robot, self.world, itinerary.keys, options.singular_value_min)
-        return chain.settle(start, options.rounds[-1])
+        keys = itinerary.keys
+        postures = PostureChain(self._robot, self.world, keys, options.singular_value_min)
+        return postures.settle(start, options.rounds[-1])
 
     def _carry_out(self, itinerary: Itinerary, postures: Postures) -> HandGait:
         """The phases with robot motion.

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from pivotgait.exceptions import SceneError
+from pivotgait.frozen import Array
 from pivotgait.gaits.steps import Step
 from pivotgait.models import AdditionPhase, HandleContact, LiftPhase, RelocationPhase, Scene
 from pivotgait.planning.key_posture import KeyPose
+from pivotgait.plans import Phase
 
 
 @dataclass(frozen=True)
@@ -80,6 +84,16 @@ class Itinerary:
         ]
         stops[place] = tuple(sorted((*stops[place], Stop(sample, new)), key=lambda s: s.sample))
         return Itinerary(keys, tuple(stops)), new
+
+    def postures_in(self, phases: Sequence[Phase]) -> Array:
+        """(K, nv) where the hand of a plan with the same phases is at the key poses."""
+        found: dict[int, Array] = {}
+        for phase, stops in zip(phases, self.stops, strict=True):
+            assert phase.robot is not None
+            for stop in stops:
+                last = phase.kind == "relocation" and stop.sample == 1
+                found[stop.key] = phase.robot.q[-1 if last else stop.sample]
+        return np.array([found[k] for k in range(len(self.keys))])
 
     def renewed(self, steps: Sequence[Step]) -> Itinerary:
         """The same stops on the steps as they are now."""

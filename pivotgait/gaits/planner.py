@@ -52,6 +52,7 @@ def plan_gait(
     gait: str | None = None,
     seed: int = 0,
     hand: bool = True,
+    like: GaitPlan | None = None,
     options: HandOptions | None = None,
     progress: Progress | None = None,
 ) -> GaitPlan:
@@ -63,6 +64,8 @@ def plan_gait(
         seed: of the random generator of the hand's searches; the same seed gives the same plan.
         hand: whether to plan the motion of the scene's robot; else, and in a scene without one,
             the plan holds the tool's motion and forces, and no relocations.
+        like: a plan of the same gait for a scene that differs a little, the tool laid elsewhere
+            for instance: its postures are tried before any search.
         options: of the hand's searches.
         progress: called after each phase, and when the hand's postures are found.
 
@@ -89,7 +92,9 @@ def plan_gait(
         steps = plan_steps(setting, configs, lambda step, k: tell(_done(step, k, len(configs))))
         phases = tuple(step.phase for step in steps if step.phase is not None)
     else:
-        steps, found = _plan_hand(setting, robot, configs, np.random.default_rng(seed), options)
+        steps, found = _plan_hand(
+            setting, robot, configs, np.random.default_rng(seed), options, like
+        )
         tell(PosturesFound(found.record.starts, found.search_time_s))
         phases = found.phases
         for k, (step, phase) in enumerate(zip(steps, phases, strict=True)):
@@ -112,6 +117,7 @@ def _plan_hand(
     configs: Sequence[PhaseConfig],
     rng: np.random.Generator,
     options: HandOptions | None,
+    like: GaitPlan | None,
 ) -> tuple[tuple[Step, ...], HandGait]:
     """Forces, then the hand; where its torques are too large, both again with their limits.
 
@@ -119,7 +125,8 @@ def _plan_hand(
         InfeasibleError: no posture or path, or a torque limit that no forces keep.
     """
     steps = plan_steps(setting, configs)
-    found = HandPlanner(setting, robot, steps, rng, options).plan()
+    known = () if like is None or not _same_hand(like, robot, configs) else like.phases
+    found = HandPlanner(setting, robot, steps, rng, options).plan(known)
     weak = _weakest(robot, found)
     if not weak:
         return steps, found
@@ -164,6 +171,12 @@ def _weakest(robot: Robot, found: HandGait) -> tuple[str, str, float] | None:
     ]
     name, share, joint = max(shares, key=lambda each: each[1])
     return (name, joint, share) if share > 1.0 else None
+
+
+def _same_hand(plan: GaitPlan, robot: Robot, configs: Sequence[PhaseConfig]) -> bool:
+    kinds = [config.kind for config in configs]
+    same = plan.robot is not None and plan.robot.joint_names == robot.joint_names
+    return same and [phase.kind for phase in plan.phases] == kinds
 
 
 def _done(step: Step, place: int, count: int) -> PhaseDone:

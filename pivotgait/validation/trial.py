@@ -84,7 +84,7 @@ def run_trial(image: bytes, folder: Path | None, seed: int, options: TrialOption
         name = gait_of(plan, scene)
         try:
             scene = moved(scene, perturbation.laid, folder)
-            plan = plan_gait(scene, gait=name, seed=plan.seed)
+            plan = plan_gait(scene, gait=name, seed=plan.seed, like=plan)
         except PivotGaitError as error:
             return TrialResult(seed, Verdict(False, "plan", detail=str(error)))
     spent = clock.perf_counter() - start

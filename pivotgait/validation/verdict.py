@@ -49,7 +49,7 @@ class Rule:
     limit_rad: float = 0.01
     saturated_s: float = 0.020
     table_m: float = 3e-3
-    release_s: float = 0.15
+    release_s: float = 0.25
 
 
 @dataclass(frozen=True)
