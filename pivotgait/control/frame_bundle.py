@@ -17,7 +17,7 @@ import pinocchio as pin
 from pivotgait.control.tool_state import ToolState
 from pivotgait.exceptions import SingularCoordinatesError
 from pivotgait.frozen import Array, FrozenArrays
-from pivotgait.kinematics import Hold
+from pivotgait.kinematics import Hold, cross_matrix
 from pivotgait.kinematics.local_coordinates import (
     SMALLEST_COS_PSI,
     rate_entries,
@@ -133,8 +133,8 @@ class FrameBundle:
 
     def _move(self, v: Array, tool: ToolState, levers: Array) -> None:
         """Rates, and accelerations as the turning tool sees them: less its own and Coriolis'."""
-        turning = _cross_matrix(tool.angular_velocity)
-        gradient = turning.dot(turning) + _cross_matrix(tool.angular_acceleration)
+        turning = cross_matrix(tool.angular_velocity)
+        gradient = turning.dot(turning) + cross_matrix(tool.angular_acceleration)
         relative, surge = self._relative, self._surge
         twist = self.world_jacobian @ v
         relative[:, :3] = twist[:, :3] - (tool.linear_velocity + levers.dot(turning.T))
@@ -144,8 +144,3 @@ class FrameBundle:
         surge[:, 3:] -= tool.angular_acceleration + twist[:, 3:].dot(turning.T)
         np.matmul(self._map, relative[:, :, None], out=self.rate[:, :, None])
         np.matmul(self._map, surge[:, :, None], out=self.drift[:, :, None])
-
-
-def _cross_matrix(vector: Array) -> Array:
-    x, y, z = vector.tolist()
-    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))

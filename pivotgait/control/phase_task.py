@@ -9,7 +9,7 @@ from pivotgait.control.curves import Curves, quintic_spline
 from pivotgait.control.frame_bundle import FrameBundle, FrameOnTool
 from pivotgait.control.reference import Instant, PhaseReference
 from pivotgait.frozen import Array
-from pivotgait.kinematics import PalmRows, TaskJacobian, choose_palm_rows
+from pivotgait.kinematics import PalmRows, TaskJacobian, choose_palm_rows, palm_axes
 from pivotgait.kinematics.closed_chain import ROWS_PER_HOLD
 from pivotgait.models import Robot
 
@@ -53,7 +53,7 @@ class PhaseTask:
         tool = samples.tool
         turn = tool.rotation.as_matrix()
         middle = len(turn) // 2
-        toolRpalm = turn[middle].T @ _palm_rotation(robot, motion.q[middle])
+        toolRpalm = palm_axes(robot, motion.q[middle], turn[middle])
         task = TaskJacobian(robot, holds, palm_target=toolRpalm)
         chosen = np.linspace(0, len(turn) - 1, CHOICE_SAMPLES).round().astype(int)
         choice = choose_palm_rows(task, motion.q[chosen], turn[chosen], tool.position[chosen])
@@ -117,12 +117,6 @@ class PhaseTask:
             error[held] *= -1.0
             error[palm] = palm_wanted[k] - found[k][m, self._coordinates]
             error[rows] = joints[k][columns]
-
-
-def _palm_rotation(robot: Robot, q: Array) -> Array:
-    data = robot.model.createData()
-    pin.forwardKinematics(robot.model, data, q)
-    return np.array(pin.updateFramePlacement(robot.model, data, robot.palm_frame_id).rotation)
 
 
 def _palm_curves(robot: Robot, reference: PhaseReference, palm: FrameOnTool) -> Curves:

@@ -197,14 +197,13 @@ class HandPlanner:
 
     def _track(self, place: int, phase: Phase, through: Waypoints, postures: Postures) -> Phase:
         step = self._steps[place]
-        touching = {**step.before.fingers, **step.after.fingers}
-        holds = _holds(postures, touching.values())
+        holds = _holds(postures, step.touching.values())
         try:
             motion = track(self._robot, holds, phase.time, phase.tool, through)
         except Untracked as error:
             raise Blocked(place, error.sample, error.q, error.what) from error
         self._check_limits(place, motion)
-        self._check_clearance(place, motion, phase, frozenset(touching))
+        self._check_clearance(place, motion, phase, frozenset(step.touching))
         robot = with_torques(self._robot, motion, phase.contacts, phase.tool)
         return replace(phase, robot=robot)
 

@@ -158,9 +158,9 @@ def _plan_hand(
 
 
 def _rows(robot: Robot, step: Step, phase: Phase) -> LinearRows:
-    fingers = tuple({**step.before.fingers, **step.after.fingers}.values())
     assert phase.robot is not None
     reserve = _TORQUE_RESERVE[phase.kind]
+    fingers = tuple(step.touching.values())
     return torque_rows(robot, phase.robot, phase.tool, fingers, reserve=reserve)
 
 

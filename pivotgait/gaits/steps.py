@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from pivotgait.exceptions import PivotGaitError
 from pivotgait.forces import LinearRows
-from pivotgait.models import AdditionPhase, LiftPhase, PhaseConfig, RelocationPhase
+from pivotgait.models import AdditionPhase, HandleContact, LiftPhase, PhaseConfig, RelocationPhase
 from pivotgait.phases.addition import AdditionOptions, plan_addition
 from pivotgait.phases.grasp import Grasp, Setting
 from pivotgait.phases.lift import LiftOptions, plan_lift
@@ -38,6 +38,11 @@ class Step:
     before: Grasp
     after: Grasp
     plan_time_s: float
+
+    @property
+    def touching(self) -> dict[str, HandleContact]:
+        """Finger -> contact of all that touch the tool at any time, in the order they came."""
+        return {**self.before.fingers, **self.after.fingers}
 
 
 def plan_steps(

@@ -6,6 +6,7 @@ from pivotgait.kinematics.conditioning import (
     PalmRows,
     TaskJacobian,
     choose_palm_rows,
+    palm_axes,
     smallest_singular_value,
 )
 from pivotgait.kinematics.frame_coordinates import FrameCoordinates
@@ -17,7 +18,7 @@ from pivotgait.kinematics.local_coordinates import (
     rotation_from_angles,
 )
 from pivotgait.kinematics.projection import Projection, project, resolve
-from pivotgait.kinematics.rigid_motion import RigidMotion
+from pivotgait.kinematics.rigid_motion import RigidMotion, cross_matrix
 from pivotgait.kinematics.sampled_motion import differentiate
 
 __all__ = [
@@ -31,7 +32,9 @@ __all__ = [
     "TaskJacobian",
     "angles_from_rotation",
     "choose_palm_rows",
+    "cross_matrix",
     "differentiate",
+    "palm_axes",
     "project",
     "rate_map",
     "rate_map_derivative",

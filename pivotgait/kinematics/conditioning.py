@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+import pinocchio as pin
 
 from pivotgait.exceptions import InfeasibleError, InputError
 from pivotgait.frozen import Array
@@ -155,6 +156,20 @@ class TaskJacobian:
         """(number of candidates,) smallest singular value of each scaled H [m]."""
         stack = np.stack([self.scaled_matrix(rows) for rows in self.candidates])
         return np.asarray(np.linalg.svd(stack, compute_uv=False)[:, -1])
+
+
+def palm_axes(robot: Robot, q: Array, oRtool: Array) -> Array:
+    """(3, 3) the palm's axes in the tool frame at q: from there its angles are regular.
+
+    Args:
+        robot: the arm-hand.
+        q: (nv,) configuration.
+        oRtool: (3, 3) orientation of the tool, world <- tool.
+    """
+    data = robot.model.createData()
+    pin.forwardKinematics(robot.model, data, q)
+    palm = pin.updateFramePlacement(robot.model, data, robot.palm_frame_id)
+    return np.asarray(oRtool.T @ palm.rotation)
 
 
 def smallest_singular_value(task: TaskJacobian, rows: PalmRows) -> float:

@@ -37,13 +37,13 @@ class RigidMotion:
     @cached_property
     def turning(self) -> Array:
         """(3, 3) [omega]x, which also is the gradient of velocity in space."""
-        return _cross_matrix(self.angular_velocity)
+        return cross_matrix(self.angular_velocity)
 
     @cached_property
     def gradient(self) -> Array:
         """(3, 3) gradient of acceleration in space: Euler's and the centripetal part."""
         gradient: Array = self.turning.dot(self.turning)
-        return gradient + _cross_matrix(self.angular_acceleration)
+        return gradient + cross_matrix(self.angular_acceleration)
 
     def velocity_at(self, lever: Array) -> Array:
         """(3,) velocity [m/s] of the body's point at ``lever`` (3,) from its origin, world."""
@@ -56,7 +56,7 @@ class RigidMotion:
         return acceleration
 
 
-def _cross_matrix(vector: Array) -> Array:
-    """[v]x of one vector; several times leaner than the vectorised form."""
+def cross_matrix(vector: Array) -> Array:
+    """(3, 3) [v]x of one vector (3,); several times leaner than the vectorised form."""
     x, y, z = vector.tolist()
     return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))

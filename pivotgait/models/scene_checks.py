@@ -120,10 +120,14 @@ def _check_gait(config: SceneConfig, phases: Sequence[PhaseConfig], where: str) 
             _remove(config, touching, phase.contact, f"{at}.contact")
 
 
-def _add(config: SceneConfig, touching: dict[str, str], contact: str, at: str) -> None:
+def _finger(config: SceneConfig, contact: str, at: str) -> str:
     if contact not in config.contacts:
         raise UnknownNameError("contact", contact, config.contacts, where=at)
-    finger = config.contacts[contact].finger
+    return config.contacts[contact].finger
+
+
+def _add(config: SceneConfig, touching: dict[str, str], contact: str, at: str) -> None:
+    finger = _finger(config, contact, at)
     if finger in touching:
         raise SceneError(
             f"finger {finger!r} is in contact already, at {touching[finger]!r}",
@@ -137,9 +141,7 @@ def _move(
     config: SceneConfig, touching: dict[str, str], waiting: dict[str, str], contact: str, at: str
 ) -> None:
     """Only a finger that does not hold the tool can go elsewhere."""
-    if contact not in config.contacts:
-        raise UnknownNameError("contact", contact, config.contacts, where=at)
-    finger = config.contacts[contact].finger
+    finger = _finger(config, contact, at)
     if finger in touching:
         raise SceneError(
             f"finger {finger!r} holds the tool at {touching[finger]!r}",
@@ -151,9 +153,7 @@ def _move(
 
 def _arrive(config: SceneConfig, waiting: dict[str, str], contact: str, at: str) -> None:
     """A finger that was moved to a contact must be added there."""
-    if contact not in config.contacts:
-        raise UnknownNameError("contact", contact, config.contacts, where=at)
-    finger = config.contacts[contact].finger
+    finger = _finger(config, contact, at)
     moved = waiting.pop(finger, contact)
     if moved != contact:
         raise SceneError(
@@ -164,9 +164,7 @@ def _arrive(config: SceneConfig, waiting: dict[str, str], contact: str, at: str)
 
 
 def _remove(config: SceneConfig, touching: dict[str, str], contact: str, at: str) -> None:
-    if contact not in config.contacts:
-        raise UnknownNameError("contact", contact, config.contacts, where=at)
-    finger = config.contacts[contact].finger
+    finger = _finger(config, contact, at)
     if touching.get(finger) != contact:
         listed = ", ".join(touching.values()) or "none"
         raise SceneError(

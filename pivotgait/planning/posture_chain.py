@@ -7,10 +7,16 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-import pinocchio as pin
 
 from pivotgait.frozen import Array, FrozenArrays
-from pivotgait.kinematics import ClosedChain, Hold, TaskJacobian, choose_palm_rows, project
+from pivotgait.kinematics import (
+    ClosedChain,
+    Hold,
+    TaskJacobian,
+    choose_palm_rows,
+    palm_axes,
+    project,
+)
 from pivotgait.models import Robot
 from pivotgait.planning.collision import CollisionWorld
 from pivotgait.planning.key_posture import KeyPose, held_on
@@ -150,7 +156,7 @@ class PostureChain:
             if not robot.within_limits(end.q):
                 return Refused("limit", self._limit(end.q))
             task = TaskJacobian(
-                robot, list(mine.values()), palm_target=self._palm_axes(end.q, key.rotation)
+                robot, list(mine.values()), palm_target=palm_axes(robot, end.q, key.rotation)
             )
             choice = choose_palm_rows(task, end.q, key.rotation, key.position)
             singular = min(singular, choice.smallest_singular_value)
@@ -163,13 +169,6 @@ class PostureChain:
             if clearance < self.world.clearance_min:
                 return Refused("collision", pair)
         return Postures(q, holds, clearance, singular, cost)
-
-    def _palm_axes(self, q: Array, oRtool: Array) -> Array:
-        """(3, 3) the palm's axes in the tool frame: there its local coordinates are regular."""
-        data = self.robot.model.createData()
-        pin.forwardKinematics(self.robot.model, data, q)
-        palm = pin.updateFramePlacement(self.robot.model, data, self.robot.palm_frame_id)
-        return np.asarray(oRtool.T @ palm.rotation)
 
     def _directions(self, postures: Array) -> dict[tuple[str, str], Array] | Refused:
         """Mean direction in which each tip sees its contact, over the key poses that share it."""

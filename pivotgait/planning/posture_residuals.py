@@ -16,6 +16,7 @@ import pinocchio as pin
 from pivotgait.frozen import Array
 from pivotgait.kinematics.conditioning import ANGLE_LENGTH
 from pivotgait.kinematics.dexterity import dexterity
+from pivotgait.kinematics.rigid_motion import cross_matrix
 from pivotgait.models import Finger, Robot
 from pivotgait.planning.collision import CollisionWorld
 from pivotgait.planning.key_posture import KeyPose, check_fingers, held_on
@@ -196,7 +197,7 @@ class PostureResiduals:
             place = key.position + key.rotation @ contact.point - finger.tip_radius * inward
             turn = placement.rotation.T
             # d(R^T n) = R^T (n x w) for a tip that turns with w.
-            by_turn = turn @ _skew(inward) @ jacobian[3:]
+            by_turn = turn @ cross_matrix(inward) @ jacobian[3:]
             found[name] = (placement.translation - place, jacobian[:3], turn @ inward, by_turn)
         return found
 
@@ -230,7 +231,3 @@ class PostureResiduals:
         wanting = distance < wanted
         missing = (wanted - distance)[wanting]
         return missing / weights.clearance, -gradient[wanting] / weights.clearance
-
-
-def _skew(v: Array) -> Array:
-    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
