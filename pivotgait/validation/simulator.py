@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from types import TracebackType
 from typing import Protocol, Self
 
@@ -113,9 +114,19 @@ def _pybullet(world: World, options: SimulatorOptions) -> Simulator:
     return PyBulletSimulator(world, options)
 
 
-SIMULATORS: Mapping[str, Callable[[World, SimulatorOptions], Simulator]] = {"pybullet": _pybullet}
-"""Makers by name. A new simulator is a file ``<name>_.py`` and a line here."""
-_PLANNED = ("mujoco",)
+def _mujoco(world: World, options: SimulatorOptions) -> Simulator:
+    from pivotgait.validation.mujoco_ import MuJoCoSimulator
+
+    return MuJoCoSimulator(world, options)
+
+
+SIMULATORS: Mapping[str, Callable[[World, SimulatorOptions], Simulator]] = {
+    "pybullet": _pybullet,
+    "mujoco": _mujoco,
+}
+"""Makers by name, which is that of the engine's package, too. A new simulator is a file
+``<name>_.py``, a maker, a line here and one below."""
+_INSTALL = {"pybullet": "pip install pivotgait", "mujoco": "pip install 'pivotgait[mujoco]'"}
 
 
 def check_simulator(name: str) -> None:
@@ -125,11 +136,10 @@ def check_simulator(name: str) -> None:
         InputError: not installed.
         UnknownNameError: no such simulator.
     """
-    if name in _PLANNED:
-        mend = f"pip install 'pivotgait[{name}]'"
-        raise InputError(f"{name} is not installed", where="simulator", mend=mend)
     if name not in SIMULATORS:
-        raise UnknownNameError("simulator", name, (*SIMULATORS, *_PLANNED))
+        raise UnknownNameError("simulator", name, SIMULATORS)
+    if find_spec(name) is None:
+        raise InputError(f"{name} is not installed", where="simulator", mend=_INSTALL[name])
 
 
 def make_simulator(name: str, world: World, options: SimulatorOptions) -> Simulator:

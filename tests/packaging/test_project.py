@@ -66,7 +66,8 @@ def test_constraints_hold_names_and_versions_only() -> None:
 
 def test_every_dependency_is_pinned(project: dict[str, Any]) -> None:
     pinned = {normalised(line) for line in constraints()}
-    wanted = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
+    extras = project["optional-dependencies"]
+    wanted = [*project["dependencies"], *extras["dev"], *extras["mujoco"]]
     assert [each for each in wanted if normalised(each) not in pinned] == []
 
 

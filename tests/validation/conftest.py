@@ -11,9 +11,18 @@ from pivotgait.models import Scene, load_scene
 from pivotgait.plans import GaitPlan
 from pivotgait.validation import RunSeries
 from pivotgait.validation.planned import planned_at
+from pivotgait.validation.simulator import SIMULATORS
 
 PERIOD = 0.002
 HOLD = 0.5
+
+
+@pytest.fixture(scope="module", params=SIMULATORS)
+def name(request: pytest.FixtureRequest) -> str:
+    """Of each simulator that is installed."""
+    engine = str(request.param)
+    pytest.importorskip(engine)
+    return engine
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -139,7 +140,7 @@ def test_robot_and_tool_must_be_the_scenes(plan: GaitPlan, scene: Scene) -> None
     ("options", "seeds", "error"),
     [
         (TrialOptions(run=RunOptions(controller="hybird")), [0], UnknownNameError),
-        (TrialOptions(run=RunOptions(simulator="mujoco")), [0], InputError),
+        (TrialOptions(run=RunOptions(simulator="mujco")), [0], UnknownNameError),
         (TrialOptions(), [], InputError),
         (TrialOptions(), [-1], InputError),
     ],
@@ -151,8 +152,9 @@ def test_bad_trials_are_refused(
         run_trials(plan, seeds, options)
 
 
-def test_what_never_ends_is_a_timeout(plan: GaitPlan) -> None:
-    found = run_trials(plan, [4], NOMINAL, time_limit_s=0.2)
+def test_what_never_ends_is_a_timeout(plan: GaitPlan, name: str) -> None:
+    options = replace(NOMINAL, run=RunOptions(simulator=name))
+    found = run_trials(plan, [4], options, time_limit_s=0.2)
     assert found.as_json()["failures"] == {"timeout": 1}
     assert found.stages[0].reached == 0
 
@@ -160,7 +162,6 @@ def test_what_never_ends_is_a_timeout(plan: GaitPlan) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--simulator", "mujoco"], "pip install 'pivotgait[mujoco]'"),
         (["--simulator", "bullet"], "unknown simulator 'bullet'"),
         (["--controller", "hybird"], "did you mean 'hybrid'"),
         (["--trials", "0"], "--trials"),
@@ -177,6 +178,18 @@ def test_the_command_refuses_in_one_line(
     assert said in err
     assert out == ""
     assert len(err.strip().splitlines()) == 1
+
+
+def test_the_command_tells_how_to_install_a_simulator(
+    call: Call, plan: GaitPlan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    path = tmp_path / "plan.h5"
+    write_plan(plan, path)
+    code, out, err = call("validate", path, "--simulator", "mujoco")
+    assert (code, out) == (2, "")
+    said = "pivotgait: error: simulator: mujoco is not installed - pip install 'pivotgait[mujoco]'"
+    assert err.strip().splitlines() == [said]
 
 
 @pytest.mark.parametrize("kind", ["missing", "damaged", "without robot"])
