@@ -21,6 +21,7 @@ from pivotgait.models.scene_loading import (
     export_scene,
     load_scene,
     parse_scene,
+    revise_scene,
     scene_schema,
 )
 from pivotgait.models.shape import Shape
@@ -53,6 +54,7 @@ __all__ = [
     "model_names",
     "parse_scene",
     "rest_pitch",
+    "revise_scene",
     "scene_schema",
     "urdf_root",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
@@ -12,6 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from pivotgait.exceptions import SceneError, UnknownNameError
+from pivotgait.frozen import Array
 from pivotgait.models.paths import is_file
 from pivotgait.models.rest import attitude, rest_pitch
 from pivotgait.models.robot import Robot
@@ -19,7 +21,7 @@ from pivotgait.models.robot_loading import build_robot
 from pivotgait.models.robot_urdf import robot_urdf
 from pivotgait.models.scene import HandleContact, Scene, Table
 from pivotgait.models.scene_checks import check_config, check_lifts
-from pivotgait.models.scene_config import SceneConfig, ToolConfig
+from pivotgait.models.scene_config import ContactConfig, SceneConfig, ToolConfig
 from pivotgait.models.scene_errors import as_scene_error
 from pivotgait.models.scene_yaml import MAX_BYTES, read_yaml
 from pivotgait.models.tool import Tool, load_tool
@@ -78,12 +80,69 @@ def parse_scene(text: str, *, where: str = "scene", folder: Path | None = None) 
     Raises:
         SceneError, UrdfError, UnknownNameError: as :func:`load_scene`.
     """
-    config = _validate(read_yaml(text, where=where), where)
+    config = _validate(_as_json(read_yaml(text, where=where), where), where)
     check_config(config, where)
     tool = _load_tool(config.tool, folder, where)
-    table = config.table
-    pitch = rest_pitch(tool, np.radians(config.rest.roll_deg), where=f"{where}: rest")
+    robot = _load_robot(config, folder, where)
+    contacts = _contacts(config, tool, where)
+    return _assemble(config, text, tool, robot, contacts, _rest(config, tool, where), where)
+
+
+def revise_scene(
+    scene: Scene, fields: dict[str, Any], *, where: str = "scene", folder: Path | None = None
+) -> Scene:
+    """A scene with other values of its fields; keeps what they do not touch, which takes time.
+
+    Args:
+        scene: to start from.
+        fields: all of the new scene's, named as in the YAML file.
+        where: its name in messages.
+        folder: in which a relative URDF path starts, should the tool or the robot change.
+
+    Raises:
+        SceneError, UrdfError, UnknownNameError: as :func:`load_scene`.
+    """
+    text = _as_json(fields, where)
+    config, old = _validate(text, where), scene.config
+    check_config(config, where)
+    tool, robot, known = scene.tool, scene.robot, scene.contacts
+    if config.tool != old.tool:
+        tool, known = _load_tool(config.tool, folder, where), {}
+    if (config.robot, config.gravity_m_s2) != (old.robot, old.gravity_m_s2):
+        robot = _load_robot(config, folder, where)
+    places = {name: _place(contact) for name, contact in old.contacts.items()}
+    kept = {
+        name: (known[name].point, known[name].normal)
+        for name, contact in config.contacts.items()
+        if name in known and places[name] == _place(contact)
+    }
+    contacts = _contacts(config, tool, where, kept)
+    same = (config.tool, config.rest) == (old.tool, old.rest)
+    rest = (scene.rest_pitch, scene.rest_orientation) if same else _rest(config, tool, where)
+    return _assemble(config, text, tool, robot, contacts, rest, where)
+
+
+def _rest(config: SceneConfig, tool: Tool, where: str) -> tuple[float, Array]:
+    """Pitch [rad] and orientation (4,), xyzw, in which the tool rests on the table."""
     yaw, roll = np.radians([config.rest.yaw_deg, config.rest.roll_deg])
+    pitch = rest_pitch(tool, roll, where=f"{where}: rest")
+    return pitch, attitude(yaw, pitch, roll).as_quat(canonical=True)
+
+
+def _place(contact: ContactConfig) -> tuple[float, float]:
+    return contact.along_m, contact.around_deg
+
+
+def _assemble(
+    config: SceneConfig,
+    text: str,
+    tool: Tool,
+    robot: Robot | None,
+    contacts: Mapping[str, HandleContact],
+    rest: tuple[float, Array],
+    where: str,
+) -> Scene:
+    table = config.table
     scene = Scene(
         name=config.name,
         description=config.description,
@@ -98,38 +157,53 @@ def parse_scene(text: str, *, where: str = "scene", folder: Path | None = None) 
             table.normal_force_N.min,
             table.normal_force_N.max,
         ),
-        robot=_load_robot(config, folder, where),
+        robot=robot,
         gravity=np.array(config.gravity_m_s2),
         clearance=config.clearance_m,
         pivot=np.array([*config.rest.pivot_m, table.height_m + tool.tip_radius]),
-        rest_pitch=pitch,
-        rest_orientation=attitude(yaw, pitch, roll).as_quat(canonical=True),
-        contacts=MappingProxyType(_contacts(config, tool, where)),
+        rest_pitch=rest[0],
+        rest_orientation=rest[1],
+        contacts=MappingProxyType(dict(contacts)),
         gaits=MappingProxyType(dict(config.gaits)),
     )
     check_lifts(scene, where)
     return scene
 
 
-def _validate(data: dict[str, Any], where: str) -> SceneConfig:
-    # Through JSON, so that pydantic's strict mode takes lists for tuples but no "1.5" for 1.5.
+def _as_json(data: dict[str, Any], where: str) -> str:
     try:
-        return SceneConfig.model_validate_json(json.dumps(data, default=str))
-    except ValidationError as error:
-        raise as_scene_error(error, SceneConfig, where) from error
+        return json.dumps(data, default=str)
     except (TypeError, ValueError, RecursionError) as error:
         mend = "use plain text as keys and no alias to itself"
         raise SceneError(f"cannot be used: {error}", where=where, mend=mend) from error
 
 
-def _contacts(config: SceneConfig, tool: Tool, where: str) -> dict[str, HandleContact]:
-    contacts = {}
+def _validate(text: str, where: str) -> SceneConfig:
+    # From JSON, so that pydantic's strict mode takes lists for tuples but no "1.5" for 1.5.
+    try:
+        return SceneConfig.model_validate_json(text)
+    except ValidationError as error:
+        raise as_scene_error(error, SceneConfig, where) from error
+
+
+def _contacts(
+    config: SceneConfig,
+    tool: Tool,
+    where: str,
+    kept: Mapping[str, tuple[Array, Array]] | None = None,
+) -> dict[str, HandleContact]:
+    """Contacts by name; those in ``kept`` are known to be at a point with a normal."""
+    contacts, known = {}, kept or {}
     for name, given in config.contacts.items():
         at = f"{where}: contacts.{name}"
-        place = tool.place(given.along_m, np.radians(given.around_deg), where=at)
+        if name in known:
+            point, normal = known[name]
+        else:
+            place = tool.place(given.along_m, np.radians(given.around_deg), where=at)
+            point, normal = place.point, place.normal
         bounds = given.normal_force_N
         contacts[name] = HandleContact(
-            name, given.finger, place.point, place.normal, given.friction, bounds.min, bounds.max
+            name, given.finger, point, normal, given.friction, bounds.min, bounds.max
         )
     return contacts
 

@@ -21,12 +21,15 @@ MAX_DEPTH = 12
 MAX_ALIASES = 16  # nested aliases can grow a small text without bound
 
 
-def read_yaml(text: str, *, where: str) -> dict[str, Any]:
+def read_yaml(
+    text: str, *, where: str, example: str = "pivotgait scenes --export knife"
+) -> dict[str, Any]:
     """The mapping a YAML 1.2 text holds.
 
     Args:
         text: the whole document.
         where: name of the document in messages.
+        example: command that shows one to start from.
 
     Raises:
         SceneError: for text that is too large, empty, not YAML, nested too deep, uses many
@@ -35,9 +38,9 @@ def read_yaml(text: str, *, where: str) -> dict[str, Any]:
     size = len(text.encode(errors="replace"))
     if size > MAX_BYTES:
         what = f"has {size} bytes, the limit is {MAX_BYTES}"
-        raise SceneError(what, where=where, mend="a scene needs a few kilobytes")
+        raise SceneError(what, where=where, mend="a few kilobytes are enough")
     if not text.strip():
-        mend = "start from `pivotgait scenes --export knife`"
+        mend = f"start from `{example}`"
         raise SceneError("is empty", where=where, mend=mend)
     try:
         _check_events(text, where)
@@ -51,7 +54,7 @@ def read_yaml(text: str, *, where: str) -> dict[str, Any]:
         problem = str(error).split("\n")[0]
         raise SceneError(f"is not YAML: {problem}", where=where, mend="correct it") from error
     if not isinstance(data, dict):
-        mend = "start from `pivotgait scenes --export knife`"
+        mend = f"start from `{example}`"
         raise SceneError(f"holds a {type(data).__name__}, not a mapping", where=where, mend=mend)
     return data
 

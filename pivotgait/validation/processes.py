@@ -16,7 +16,7 @@ from typing import Any
 from pivotgait.exceptions import InputError, PivotGaitError
 
 _POLL_S = 0.2
-_CHILD_ENVIRONMENT = {
+CHILD_ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
@@ -96,7 +96,7 @@ def _start(
     context = get_context("spawn")
     ours, theirs = context.Pipe(duplex=False)
     process = context.Process(target=_job, args=(theirs, work, arguments), daemon=True)
-    with _inherited(_CHILD_ENVIRONMENT):
+    with _inherited(CHILD_ENVIRONMENT):
         process.start()
     theirs.close()  # so that reading ends where the process does
     return _Running(place, process, ours, clock.monotonic() + time_limit_s)
