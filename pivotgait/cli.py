@@ -159,6 +159,86 @@ def run(
 
 
 @app.command()
+def sweep(
+    study: Annotated[
+        str | None, typer.Argument(help="A built-in study's name or a YAML file.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for the results; goes on where it is.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=1024, help="Processes at a time; else all cores.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Address of a Dask scheduler, like tcp://host:8786.")
+    ] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Tell the number of cells and the expected time.")
+    ] = False,
+    list_: Annotated[bool, typer.Option("--list", help="List the built-in studies.")] = False,
+    export: Annotated[str | None, typer.Option(help="Print a built-in study's YAML.")] = None,
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Compute every cell of a study; killed at any moment, the same command goes on.
+
+    Example: `pivotgait sweep knife_friction --out reports/out/friction`
+    """
+    from pivotgait.commands.output import Output
+    from pivotgait.commands.sweeping import run_sweep_command
+
+    return run_sweep_command(
+        study,
+        out,
+        workers,
+        scheduler,
+        Output(json),
+        dry_run=dry_run,
+        listed=list_,
+        export=export,
+    )
+
+
+@app.command()
+def feasibility(
+    scene: SceneArgument,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="PATH=VALUE",
+            help="Change a parameter first, e.g. `contacts.*.friction=0.4`; may be repeated.",
+        ),
+    ] = None,
+    gait: Gait = None,
+    turn_max: Annotated[
+        float | None,
+        typer.Option(help="Largest turn of the tool in a removal [deg]; 0 for no pivoting."),
+    ] = None,
+    hand: Annotated[
+        bool, typer.Option("--hand/--no-hand", help="Plan the arm-hand too; keep its torques.")
+    ] = False,
+    mends: Annotated[int, typer.Option(min=0, max=20, help="Most mends to look for.")] = 3,
+    seed: Seed = 0,
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Judge a gait: feasible or not, what binds, the nearest changes that mend it, the margins.
+
+    Examples: `pivotgait feasibility knife`,
+    `pivotgait feasibility knife --set 'contacts.*.friction=0.3'`,
+    `pivotgait feasibility knife --set tool.mass_scale=4 --json`,
+    `pivotgait feasibility knife --turn-max 0`
+    """
+    from pivotgait.commands.feasibility import run_feasibility
+    from pivotgait.commands.output import Output
+    from pivotgait.feasibility import VerdictOptions
+
+    options = VerdictOptions(gait, turn_max, hand, mends, seed=seed)
+    return run_feasibility(scene, changes or [], options, Output(json))
+
+
+@app.command()
 def report(
     folder: Annotated[Path, typer.Argument(help="Folder with a plan.h5.")],
     json: Json = False,

@@ -2,8 +2,18 @@
 
 from pivotgait.benchmarks.allocation import allocation_rows
 from pivotgait.benchmarks.control import control_rows
+from pivotgait.benchmarks.feasibility import feasibility_rows
 from pivotgait.benchmarks.relocation import relocation_rows
 from pivotgait.benchmarks.removal import removal_rows
+from pivotgait.benchmarks.simulation import simulation_rows
 from pivotgait.benchmarks.startup import import_rows
 
-__all__ = ["allocation_rows", "control_rows", "import_rows", "relocation_rows", "removal_rows"]
+__all__ = [
+    "allocation_rows",
+    "control_rows",
+    "feasibility_rows",
+    "import_rows",
+    "relocation_rows",
+    "removal_rows",
+    "simulation_rows",
+]

@@ -68,13 +68,16 @@ class Output:
         self.out.print(table)
 
     @contextmanager
-    def progress(self, text: str, total: int) -> Iterator[Progress]:
-        """A progress bar on stderr with one task, advanced by ``advance(task_id)``."""
+    def progress(self, text: str, total: int | None) -> Iterator[Progress]:
+        """A progress bar on stderr with one task, advanced by ``advance(task_id)``.
+
+        Without a total the bar only moves, while ``update`` tells what is being done.
+        """
         columns = (
             SpinnerColumn(),
             TextColumn("{task.description}"),
             BarColumn(bar_width=24),
-            TextColumn("{task.completed}/{task.total}"),
+            TextColumn("" if total is None else "{task.completed}/{task.total}"),
             TimeElapsedColumn(),
         )
         silent = not self.log.is_terminal  # a log file gets no bar, not even its empty line

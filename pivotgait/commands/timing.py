@@ -13,13 +13,23 @@ def run_bench(quick: bool, out: Output) -> int:
     from pivotgait.benchmarks import (
         allocation_rows,
         control_rows,
+        feasibility_rows,
         import_rows,
         relocation_rows,
         removal_rows,
+        simulation_rows,
     )
 
     rows = []
-    jobs = (allocation_rows, removal_rows, relocation_rows, control_rows, import_rows)
+    jobs = (
+        allocation_rows,
+        feasibility_rows,
+        removal_rows,
+        relocation_rows,
+        control_rows,
+        simulation_rows,
+        import_rows,
+    )
     with out.progress("measuring", len(jobs)) as bar:
         for job in jobs:
             rows += job(quick)
@@ -41,11 +51,11 @@ def run_bench(quick: bool, out: Output) -> int:
     ]
     table = []
     for row in rows:
-        peer, build = row.get("peer_s"), row.get("peer_build_s")
+        ours, peer, build = row["ours_s"], row.get("peer_s"), row.get("peer_build_s")
         table.append(
             (
                 row["name"],
-                f"{1e3 * row['ours_s']:.3f} ms",
+                "-" if ours is None else f"{1e3 * ours:.3f} ms",
                 row.get("peer") or "-",
                 "-" if peer is None else f"{1e3 * peer:.3f} ms",
                 "-" if row.get("ratio") is None else f"{row['ratio']:.2f}",

@@ -9,10 +9,11 @@ from scipy.spatial.transform import Rotation
 
 from pivotgait.dynamics import pivot_motion
 from pivotgait.forces import LinearRows
+from pivotgait.frozen import Array
 from pivotgait.phases.allocation import allocate_smoothly, allocation_problem
 from pivotgait.phases.grasp import Grasp, Setting, finger_track
 from pivotgait.phases.timing import PROFILES, Profile
-from pivotgait.plans import PIVOT, Phase
+from pivotgait.plans import PIVOT, Phase, ToolMotion
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,22 @@ class LiftOptions:
     duration_s: float
     steps: int
     profile: Profile = "quintic"
+
+
+def lift_motion(
+    setting: Setting, start: Rotation, target: Rotation, options: LiftOptions
+) -> tuple[Array, ToolMotion]:
+    """Times (K + 1,) from the start [s] and the tool's motion there, from rest to rest."""
+    time = np.linspace(0.0, options.duration_s, options.steps + 1)
+    fraction, rate, acceleration = PROFILES[options.profile](time, options.duration_s)
+    turn = (target * start.inv()).as_rotvec()
+    motion = pivot_motion(
+        setting.body,
+        Rotation.from_rotvec(fraction[:, None] * turn) * start,
+        rate[:, None] * turn,
+        acceleration[:, None] * turn,
+    )
+    return time, motion
 
 
 def plan_lift(
@@ -58,15 +75,7 @@ def plan_lift(
     Raises:
         InfeasibleError: at some sample no forces satisfy dynamics, cones and bounds.
     """
-    time = np.linspace(0.0, options.duration_s, options.steps + 1)
-    fraction, rate, acceleration = PROFILES[options.profile](time, options.duration_s)
-    turn = (target * grasp.rotation.inv()).as_rotvec()
-    motion = pivot_motion(
-        setting.body,
-        Rotation.from_rotvec(fraction[:, None] * turn) * grasp.rotation,
-        rate[:, None] * turn,
-        acceleration[:, None] * turn,
-    )
+    time, motion = lift_motion(setting, grasp.rotation, target, options)
     fingers = list(grasp.fingers.values())
     smooth = options.profile == "quintic"
     allocation = allocate_smoothly(

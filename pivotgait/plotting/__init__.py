@@ -8,6 +8,7 @@ from pivotgait.plotting.margins import margins
 from pivotgait.plotting.orientation import orientation
 from pivotgait.plotting.overview import overview
 from pivotgait.plotting.robot_scene import robot_scene
+from pivotgait.plotting.robust_margins import robust_margins
 from pivotgait.plotting.run_deviations import run_deviations
 from pivotgait.plotting.run_forces import run_angles, run_normal_forces
 from pivotgait.plotting.run_replay import replay
@@ -35,6 +36,7 @@ __all__ = [
     "overview",
     "replay",
     "robot_scene",
+    "robust_margins",
     "run_angles",
     "run_deviations",
     "run_normal_forces",

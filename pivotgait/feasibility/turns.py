@@ -1,0 +1,133 @@
+"""The smallest turn of the tool after which some fingers hold it at rest: a global search.
+
+Statics does not change when everything turns about the vertical: what counts of a turn is its
+tilt, about a horizontal axis. Two numbers, its direction and size, are few enough to scan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from pivotgait.feasibility.grasps import Grasps
+from pivotgait.feasibility.static_verdicts import static_verdicts
+from pivotgait.frozen import Array
+from pivotgait.models import HandleContact, Scene
+
+TURN_MAX_RAD = np.radians(60.0)
+DIRECTIONS, STEP_RAD = 32, np.radians(1.5)
+"""Of the scan: a feasible patch between its nodes is missed."""
+COARSER = 4
+"""The step of a coarse scan over that of a full one."""
+REFINEMENTS, FINER = 5, 7
+"""Rounds of refinement about the best node, and nodes of each along either coordinate."""
+BEYOND_RAD = np.radians(1e-3)
+"""The tool is turned so much further than the edge of what can be held."""
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """Answer of :func:`smallest_tilt`.
+
+    Attributes:
+        feasible: whether there is one within the range of the search.
+        angle: of the smallest tilt [rad]; that of the most nearly feasible one if there is none.
+        rotation: the tool's orientation after it, world <- tool.
+        depth: of the grasp there [N], see :class:`StaticVerdicts`; negative if infeasible.
+    """
+
+    feasible: bool
+    angle: float
+    rotation: Rotation
+    depth: float
+
+
+def held_at(scene: Scene, fingers: Sequence[HandleContact], rotation: Rotation) -> Grasps:
+    """The scene's tool held by fingers at rest in one or B orientations, friction as usable.
+
+    Args:
+        scene: tool, table and the friction that plans may use.
+        fingers: that touch.
+        rotation: world <- tool.
+    """
+    usable = 1.0 - scene.allocation.friction_reserve
+    table = scene.table
+    return Grasps.resting(
+        [finger.finger for finger in fingers],
+        np.atleast_3d(rotation.as_matrix()).reshape(-1, 3, 3),
+        scene.tool.pivot_in_tool,
+        np.stack([finger.point for finger in fingers]),
+        np.stack([finger.normal for finger in fingers]),
+        scene.tool.mass * scene.gravity,
+        friction=usable * np.array([table.friction, *(f.friction for f in fingers)]),
+        normal_min=np.array([table.normal_min, *(f.normal_min for f in fingers)]),
+        normal_max=np.array([table.normal_max, *(f.normal_max for f in fingers)]),
+    )
+
+
+def smallest_tilt(
+    scene: Scene,
+    fingers: Sequence[HandleContact],
+    start: Rotation,
+    *,
+    turn_max_rad: float = TURN_MAX_RAD,
+    coarse: bool = False,
+) -> Turn:
+    """The smallest tilt from ``start`` after which the fingers hold the tool, clear of the table.
+
+    Args:
+        scene: tool, table, limits.
+        fingers: that stay.
+        start: orientation before, world <- tool.
+        turn_max_rad: largest tilt tried.
+        coarse: whether there is one at all is enough: fewer nodes, no refinement.
+    """
+    step, directions = (COARSER * STEP_RAD, DIRECTIONS // 2) if coarse else (STEP_RAD, DIRECTIONS)
+    sizes = np.append(np.arange(0.0, turn_max_rad, step), turn_max_rad)
+    ways = np.arange(directions) * 2.0 * np.pi / directions
+    size, way = (grid.reshape(-1) for grid in np.meshgrid(sizes, ways, indexing="ij"))
+    depth = _depths(scene, fingers, start, size, way)
+    good = depth >= 0.0
+    if not good.any():
+        best = int(np.argmax(depth))
+        return Turn(False, size[best], _tilted(start, size[best], way[best]), float(depth[best]))
+    best = int(np.argmax(good))  # sizes ascend
+    found, heading = float(size[best]), float(way[best])
+    spread = 2.0 * np.pi / directions
+    for _ in range(REFINEMENTS if found > 0.0 and not coarse else 0):
+        nearer = np.linspace(max(found - step, 0.0), found, FINER)
+        about = heading + spread * np.linspace(-1.0, 1.0, FINER)
+        size, way = (grid.reshape(-1) for grid in np.meshgrid(nearer, about, indexing="ij"))
+        good = _depths(scene, fingers, start, size, way) >= 0.0
+        if good.any():
+            best = int(np.argmax(good))
+            found, heading = float(size[best]), float(way[best])
+        step, spread = step / (FINER - 1), 0.5 * spread
+    if found > 0.0 and not coarse:
+        further = min(found + BEYOND_RAD, turn_max_rad)
+        if _depths(scene, fingers, start, np.array([further]), np.array([heading]))[0] >= 0.0:
+            found = further
+    end = _depths(scene, fingers, start, np.array([found]), np.array([heading]))
+    return Turn(True, found, _tilted(start, found, heading), float(end[0]))
+
+
+def _tilted(start: Rotation, size: Array | float, way: Array | float) -> Rotation:
+    axis = np.stack((np.cos(way), np.sin(way), np.zeros_like(way)), axis=-1)
+    return Rotation.from_rotvec(np.asarray(size)[..., None] * axis) * start
+
+
+def _depths(
+    scene: Scene, fingers: Sequence[HandleContact], start: Rotation, size: Array, way: Array
+) -> Array:
+    """(N,) depths [N], of the right sign only; minus infinity too near the table."""
+    turned = _tilted(start, size, way)
+    clear = np.asarray(scene.height(turned)) >= scene.clearance
+    depth = np.full(len(size), -np.inf)
+    if clear.any():
+        verdicts = static_verdicts(held_at(scene, fingers, turned[clear]))
+        inside = np.maximum(verdicts.depth, 0.0)
+        depth[clear] = np.where(verdicts.feasible, inside, np.minimum(verdicts.depth, -1e-12))
+    return depth

@@ -1,0 +1,77 @@
+"""``pivotgait feasibility``: exit codes, JSON, words, and how long it takes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+Call = Callable[..., Any]
+
+
+def test_a_feasible_gait_is_told_so(call: Call) -> None:
+    answer = call("feasibility", "knife")
+    assert answer.code == 0
+    assert "knife: feasible" in answer.out
+    assert "03_removal" in answer.out
+    assert "wrench, at end" in answer.out
+
+
+def test_json_of_an_infeasible_one(call: Call) -> None:
+    answer = call("feasibility", "knife", "--turn-max", 0, "--json")
+    assert answer.code == 1
+    data = answer.data
+    assert data["feasible"] is False
+    assert data["binding"]["kind"] == "turn"
+    assert data["binding"]["phase"] == "03_removal"
+    assert data["mends"][0]["change"] == "turn_max_deg"
+    assert data["mends"][0]["to"] == pytest.approx(19.2, abs=0.1)
+    again = call("feasibility", "knife", "--turn-max", data["mends"][0]["to"], "--json")
+    assert again.code == 0
+
+
+def test_the_mend_is_printed_so_that_it_can_be_pasted(call: Call) -> None:
+    answer = call("feasibility", "knife", "--set", "table.normal_force_N.min=1.5", "--mends", 1)
+    assert answer.code == 1
+    change = answer.out.split("--set '")[1].split("'")[0]
+    assert call("feasibility", "knife", "--set", change).code == 0
+
+
+def test_without_mends_none_are_sought(call: Call) -> None:
+    answer = call("feasibility", "knife", "--set", "tool.mass_scale=4", "--mends", 0, "--json")
+    assert answer.code == 1
+    assert answer.data["mends"] == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("nosuch",), "unknown scene"),
+        (("knife", "--set", "friction"), "PATH=VALUE"),
+        (("knife", "--set", "=3"), "PATH=VALUE"),
+        (("knife", "--set", "table.fricton=3"), "table.fricton"),
+        (("knife", "--set", "table.friction=-1"), "greater than 0"),
+        (("knife", "--turn-max", "-5"), "deg"),
+        (("knife", "--gait", "dance"), "unknown gait"),
+    ],
+)
+def test_bad_input_is_one_line(call: Call, arguments: tuple[str, ...], words: str) -> None:
+    answer = call("feasibility", *arguments)
+    assert answer.code == 2
+    assert words in answer.err
+    assert answer.err.count("\n") == 1
+    assert not answer.out
+
+
+def test_it_takes_less_than_two_seconds_of_processor_time() -> None:
+    code = "from pivotgait.cli import main; main(['feasibility', 'knife', '--json'])"
+    one_thread = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    before = os.times()
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, env=one_thread)
+    after = os.times()
+    spent = sum(after[2:4]) - sum(before[2:4])
+    assert spent < 2.5  # two seconds where nothing else runs
