@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pivotgait.contacts import contact_frame, grasp_map
 from pivotgait.forces import AllocationProblem, Objective, allocate
+from pivotgait.forces.proxqp_build import load_cvxpy
 
 Array = NDArray[np.float64]
 NAMES = ("pivot", "thumb", "index", "middle", "ring")
@@ -194,7 +195,7 @@ class CvxpyPeer:
     name = "CVXPY + Clarabel, parametrised"
 
     def __init__(self, problem: AllocationProblem) -> None:
-        import cvxpy as cp
+        cp = load_cvxpy()
 
         m = problem.contacts
         self.x = cp.Variable((m, 3))
@@ -213,7 +214,7 @@ class CvxpyPeer:
 
     def solve(self, problem: AllocationProblem, k: int) -> float:
         """Objective of sample k, NaN where infeasible."""
-        import cvxpy as cp
+        cp = load_cvxpy()
 
         turn = contact_frame(problem.normals[k])
         grasp = grasp_map(problem.lever[k]).reshape(6, -1, 1, 3) @ turn

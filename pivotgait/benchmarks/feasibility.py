@@ -10,6 +10,7 @@ import numpy as np
 from pivotgait.benchmarks.allocation import random_problem
 from pivotgait.contacts import contact_frame, grasp_map
 from pivotgait.feasibility import Grasps, static_verdicts
+from pivotgait.forces.proxqp_build import load_cvxpy
 from pivotgait.frozen import Array
 
 SAMPLES, PEER_SAMPLES, BATCHES = 8192, 400, 3
@@ -68,7 +69,7 @@ class CvxpyVerdict:
     name = "CVXPY + Clarabel, parametrised"
 
     def __init__(self, contacts: int) -> None:
-        import cvxpy as cp
+        cp = load_cvxpy()
 
         m = contacts
         x = cp.Variable((m, 3))
@@ -82,7 +83,7 @@ class CvxpyVerdict:
 
     def feasible(self, grasps: Grasps, k: int) -> bool:
         """The verdict on grasp k."""
-        import cvxpy as cp
+        cp = load_cvxpy()
 
         problem = grasps.problem
         turn: Array = contact_frame(problem.normals[k])

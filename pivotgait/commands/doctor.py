@@ -12,6 +12,7 @@ from rich.markup import escape
 
 from pivotgait import __version__
 from pivotgait.commands.output import Output, verdict
+from pivotgait.forces.proxqp_build import load_proxqp
 from pivotgait.models import builtin_scenes, load_scene
 
 PACKAGES = (
@@ -96,9 +97,7 @@ def _coal() -> bool:
 
 
 def _proxqp() -> bool:
-    from proxsuite import proxqp
-
-    answer = proxqp.dense.solve(np.eye(2), -np.ones(2), eps_abs=1e-9)
+    answer = load_proxqp().dense.solve(np.eye(2), -np.ones(2), eps_abs=1e-9)
     return bool(np.abs(np.asarray(answer.x) - 1.0).max() < 1e-6)
 
 

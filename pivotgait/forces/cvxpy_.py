@@ -14,6 +14,7 @@ from pivotgait.forces import objectives
 from pivotgait.forces.found import Found
 from pivotgait.forces.local_form import local_form
 from pivotgait.forces.problem import MARGIN_SLACK, AllocationProblem
+from pivotgait.forces.proxqp_build import load_cvxpy
 
 Array = NDArray[np.float64]
 TIGHT = {"tol_feas": 1e-10, "tol_gap_abs": 1e-10, "tol_gap_rel": 1e-10}
@@ -49,7 +50,7 @@ def constraints(problem: AllocationProblem, f: list[Any], friction: Array, shift
         friction: (m,) friction of the cones.
         shift: (T, m) expression added to the cones' limits, or 0.
     """
-    import cvxpy as cp
+    cp = load_cvxpy()
 
     grasp, out = grasp_map(problem.lever), []
     for k in range(problem.samples):
@@ -85,13 +86,13 @@ def constraints(problem: AllocationProblem, f: list[Any], friction: Array, shift
 
 
 def _variables(problem: AllocationProblem) -> list[Any]:
-    import cvxpy as cp
+    cp = load_cvxpy()
 
     return [cp.Variable((problem.contacts, 3)) for _ in range(problem.samples)]
 
 
 def _run(goal: Any, rows: Any, f: list[Any], settings: dict[str, float] = TIGHT) -> Array | None:
-    import cvxpy as cp
+    cp = load_cvxpy()
 
     program = cp.Problem(cp.Minimize(goal), rows)
     try:
@@ -107,7 +108,7 @@ def _run(goal: Any, rows: Any, f: list[Any], settings: dict[str, float] = TIGHT)
 
 
 def _tangential(problem: AllocationProblem, f: list[Any]) -> Any:
-    import cvxpy as cp
+    cp = load_cvxpy()
 
     total = 0.0
     for k, i in np.argwhere(problem.loaded):
@@ -118,7 +119,7 @@ def _tangential(problem: AllocationProblem, f: list[Any]) -> Any:
 
 
 def _effort(problem: AllocationProblem, f: list[Any]) -> Any:
-    import cvxpy as cp
+    cp = load_cvxpy()
 
     return sum(cp.sum_squares(variable) for variable in f)
 
@@ -131,7 +132,7 @@ def _convex(problem: AllocationProblem) -> tuple[Array | None, int]:
 
 def _alignment(problem: AllocationProblem) -> tuple[Array | None, int]:
     """Successive convex programs on the convex part of the curvature, with a line search."""
-    import cvxpy as cp
+    cp = load_cvxpy()
 
     force, programs = _convex(replace(problem, objective="tangential"))
     if force is None:
@@ -170,7 +171,7 @@ def _alignment(problem: AllocationProblem) -> tuple[Array | None, int]:
 
 def _margin(problem: AllocationProblem) -> tuple[Array | None, int]:
     """Bisection on the largest |f_t| / (mu f_n), then ``tangential`` within it."""
-    import cvxpy as cp
+    cp = load_cvxpy()
 
     force, _ = _convex(replace(problem, objective="tangential"))
     if force is None:

@@ -19,6 +19,7 @@ from pivotgait.forces.local_form import local_form
 from pivotgait.forces.null_space import Inconsistent, Reduced, reduce
 from pivotgait.forces.phase_one import phase_one
 from pivotgait.forces.problem import AllocationProblem
+from pivotgait.forces.proxqp_build import load_proxqp
 
 Array = NDArray[np.float64]
 FACETS = 8
@@ -109,8 +110,7 @@ def _solve_one(group: Reduced, b: int, objective: str) -> tuple[Array | None, in
 
 def _program(hessian: Array, slope: Array, matrix: Array, limit: Array, z: Array) -> Array:
     """Minimise the model over the step y - z with matrix @ y <= limit; y."""
-    from proxsuite import proxqp
-
+    proxqp = load_proxqp()
     room = limit - matrix @ z - INSET
     if not (np.all(np.isfinite(hessian)) and np.all(np.isfinite(room))):
         raise SolverError("ProxQP was given numbers that are not finite")

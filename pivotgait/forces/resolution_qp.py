@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from pivotgait.forces.proxqp_build import load_proxqp
 from pivotgait.frozen import Array
 
 EPS = 1e-6
@@ -42,24 +43,31 @@ class ResolutionQp:
             lower: (rows,).
             upper: (rows,), nowhere below ``lower``.
         """
-        from proxsuite import proxqp
+        warm = self._program is not None
+        found = self._attempt(hessian, slope, matrix, lower, upper)
+        if found is None and warm:
+            # The last answer may lead astray where the program has changed much.
+            found = self._attempt(hessian, slope, matrix, lower, upper)
+        return found
 
-        given = (hessian, slope, None, None, matrix, lower, upper)
+    def _attempt(self, *given: Array) -> Array | None:
+        """(size,) x, or None, after which the next attempt starts afresh."""
+        hessian, slope, *rows = given
+        proxqp = load_proxqp()
         if self._program is None:
             self._program = proxqp.dense.QP(self.size, 0, self.rows)
             settings = self._program.settings
             settings.eps_abs, settings.eps_rel = EPS, 0.0
             settings.max_iter = MAX_ITERATIONS
             settings.initial_guess = proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT
-            self._program.init(*given)
+            self._program.init(hessian, slope, None, None, *rows)
         else:
-            self._program.update(*given)
+            self._program.update(hessian, slope, None, None, *rows)
         self._program.solve()
         results = self._program.results
         found = np.array(results.x)
-        if results.info.status != proxqp.QPSolverOutput.PROXQP_SOLVED or not np.all(
-            np.isfinite(found)
-        ):
-            self.reset()
-            return None
-        return found
+        solved = results.info.status == proxqp.QPSolverOutput.PROXQP_SOLVED
+        if solved and np.isfinite(found).all():
+            return found
+        self.reset()
+        return None

@@ -21,6 +21,7 @@ class RelocationOptions:
     Attributes:
         time_limit_s: of the search, shortcuts and smoothing apart [s].
         max_nodes: of both trees together.
+        max_iterations: of the search.
         goal_bias: share of samples at the other end's fingertip pose.
         pose_share: share of samples that are fingertip poses, the others are configurations.
         sample_margin: the box of samples around start and goal reaches so much farther [m].
@@ -39,6 +40,7 @@ class RelocationOptions:
 
     time_limit_s: float = 5.0
     max_nodes: int = 20_000
+    max_iterations: int = 100_000
     goal_bias: float = 0.2
     pose_share: float = 0.6
     sample_margin: float = 0.05

@@ -29,7 +29,7 @@ SHIFTED_SHARE = 0.3
 PALM_SHIFT = 0.03
 """Standard deviation of that shift, per joint, as a motion of the fingertips [m]."""
 
-Outcome = Literal["found", "time limit", "node limit"]
+Outcome = Literal["found", "time limit", "node limit", "iteration limit"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,6 +223,9 @@ def search(
     while places is None and perf_counter() - began < problem.options.time_limit_s:
         if any(tree.size + MAX_STEPS >= len(tree.s) for tree in rrt.trees):
             outcome = "node limit"
+            break
+        if iterations == problem.options.max_iterations:
+            outcome = "iteration limit"
             break
         iterations += 1
         if rng.random() < problem.options.pose_share:

@@ -8,7 +8,10 @@ from pathlib import Path
 
 from pivotgait.exceptions import PivotGaitError
 from pivotgait.gaits import plan_gait
+from pivotgait.gaits.hand import HandOptions
 from pivotgait.models import Robot, Scene
+from pivotgait.planning.posture_search import PostureOptions
+from pivotgait.planning.problem import RelocationOptions
 from pivotgait.plans import GaitPlan
 from pivotgait.plans.hdf5_reader import plan_from_bytes
 from pivotgait.validation.metrics import Metrics, measure
@@ -18,6 +21,15 @@ from pivotgait.validation.planned import Planned, planned_at
 from pivotgait.validation.run import RunOptions, Timing, run
 from pivotgait.validation.series import RunSeries
 from pivotgait.validation.verdict import Verdict, judge
+from pivotgait.validation.without_pivoting import without_pivoting
+
+_NEVER_S = 1e9
+PLANNING = HandOptions(
+    postures=PostureOptions(starts=400, time_limit_s=_NEVER_S),
+    relocation=RelocationOptions(max_iterations=5_000, time_limit_s=_NEVER_S),
+)
+"""Limits that are counted, not timed: a busy machine plans as an idle one. A trial's process
+has a time limit of its own."""
 
 
 @dataclass(frozen=True)
@@ -28,12 +40,15 @@ class TrialOptions:
         run: how each is carried out.
         perturbed: whether world and sensors differ from the plan; else the run is nominal.
         replan: whether a tool that lies elsewhere is planned for; else it lies as planned.
+        pivoting: whether the removal pivots the tool as planned; else the hand stands still, and
+            the gait ends there (:func:`pivotgait.validation.without_pivoting.without_pivoting`).
         record_every: control cycles from one row of the record to the next.
     """
 
     run: RunOptions = field(default_factory=RunOptions)
     perturbed: bool = True
     replan: bool = True
+    pivoting: bool = True
     record_every: int = 5
 
 
@@ -84,11 +99,20 @@ def run_trial(image: bytes, folder: Path | None, seed: int, options: TrialOption
         name = gait_of(plan, scene)
         try:
             scene = moved(scene, perturbation.laid, folder)
-            plan = plan_gait(scene, gait=name, seed=plan.seed, like=plan)
+            plan = plan_gait(scene, gait=name, seed=plan.seed, like=plan, options=PLANNING)
         except PivotGaitError as error:
             return TrialResult(seed, Verdict(False, "plan", detail=str(error)))
     spent = clock.perf_counter() - start
     return _carry_out(plan, scene, robot, perturbation, options, spent)
+
+
+def carried_out(plan: GaitPlan, scene: Scene, options: TrialOptions) -> GaitPlan:
+    """The plan, or as much of it as is done without pivoting.
+
+    Raises:
+        InputError: without pivoting, for a plan without a removal.
+    """
+    return plan if options.pivoting else without_pivoting(plan, scene)
 
 
 def _carry_out(
@@ -99,6 +123,7 @@ def _carry_out(
     options: TrialOptions,
     plan_time_s: float,
 ) -> TrialResult:
+    plan = carried_out(plan, scene, options)
     series, timing = run(plan, scene, perturbation, options.run)
     planned = planned_at(plan, series.time, series.fingers)
     rows = series.every(options.record_every)
