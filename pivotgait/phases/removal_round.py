@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from pivotgait.contacts.grasp_map import skew
 from pivotgait.exceptions import SolverError
+from pivotgait.frozen import FrozenArrays
 from pivotgait.phases.removal_linearised import (
     Rows,
     Trajectory,
@@ -27,22 +28,24 @@ Array = NDArray[np.float64]
 COST_SCALE = 30.0
 """The cost of a good removal is 1e-3 to 1e-1: scaled to about 1."""
 PENALTY = 1e4
-"""Cost (scaled) of 0.1 N m of moment residual: well above the multipliers met, 50 to 300.
+"""Cost (scaled) of 1 N m of moment residual: well above the multipliers met.
 
-With 1e3, turns of 20 degrees end with a moment left or short of the optimum.
+With 1e3, turns of 20 degrees end with a moment left; with 1e5, Clarabel runs into trouble.
 """
+FORCE = 0.1
+"""Weight of 1 N of table force beyond what balance allows, against 1 N m."""
 
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where the variables of stage k = 1..K stand: a, omega, sigma, table, fingers, slack."""
+    """Where the variables of stage k = 1..K stand: a, omega, sigma, table, fingers, slacks."""
 
     steps: int
     fingers: int
 
     @property
     def width(self) -> int:
-        return 12 + 3 * self.fingers + 6
+        return 12 + 3 * self.fingers + 12
 
     @property
     def size(self) -> int:
@@ -53,7 +56,22 @@ class _Layout:
         return np.arange(self.steps)[:, None] * self.width + first + np.arange(count)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class Bend(FrozenArrays):
+    """What linearised rows miss at the end of a step: the true values less the linear ones.
+
+    Attributes:
+        moment: (K, 3) of the moment about the pivot [N m].
+        table: (K, 3) of the table's force, world [N].
+        rise: (K, P) of the heights of the points to keep clear, over the pivot [m].
+    """
+
+    moment: Array
+    table: Array
+    rise: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Step:
     """What a round proposes.
 
@@ -62,12 +80,14 @@ class Step:
         model: value of the round's model of cost and penalty there (scaled).
         turn: largest change of orientation [rad].
         optimality: violation of stationarity that the step removes, in units of the cost.
+        bend: what the linearised rows missed at its end.
     """
 
     trajectory: Trajectory
     model: float
     turn: float
     optimality: float
+    bend: Bend
 
 
 class Round:
@@ -78,18 +98,29 @@ class Round:
         self.layout = _Layout(problem.steps, problem.staying + 1)
         at, fingers = self.layout.at, self.layout.fingers
         self.a, self.omega, self.sigma = at(0, 3), at(3, 3), at(6, 3)
-        self.table, self.slack = at(9, 3), at(12 + 3 * fingers, 6)
+        self.table = at(9, 3)
+        # residuals of moment [N m] and table force [N]: positive and negative parts
+        self.slack, self.give = at(12 + 3 * fingers, 6), at(18 + 3 * fingers, 6)
         self.push = at(12, 3 * fingers).reshape(-1, fingers, 3)
         self.state = dynamics(problem, trajectory)
 
-    def solve(self) -> Step:
-        """Solve it and return the new trajectory with the model's value there."""
+    def solve(self, bend: Bend | None = None) -> Step:
+        """Solve it and return the new trajectory with the model's value there.
+
+        Args:
+            bend: of an earlier step of this round; added to the rows, it makes them exact at
+                that step's end: a second-order correction (Nocedal and Wright, Numerical
+                Optimization, 2nd ed., section 18.3), against the Maratos effect.
+        """
         import clarabel
 
+        if bend is None:
+            still = np.zeros((self.problem.steps, 3))
+            bend = Bend(still, still, np.zeros((self.problem.steps, len(self.problem.clear_rise))))
         quadratic, linear, constant = self._cost()
         rows = Rows(self.layout.size)
-        cones: list[Any] = [clarabel.ZeroConeT(self._equalities(rows))]
-        cones.append(clarabel.NonnegativeConeT(self._inequalities(rows)))
+        cones: list[Any] = [clarabel.ZeroConeT(self._equalities(rows, bend))]
+        cones.append(clarabel.NonnegativeConeT(self._inequalities(rows, bend)))
         cones += [clarabel.SecondOrderConeT(3)] * self._cones(rows)
         if self.problem.rated:
             cones += [clarabel.SecondOrderConeT(4)] * self._rates(rows)
@@ -117,12 +148,31 @@ class Round:
         sigma[-1] = 0.0
         before = self._point()
         step = np.where(np.isnan(before), 0.0, x - before)
+        trajectory = Trajectory.of(self.problem, sigma, local)
         return Step(
-            Trajectory.of(self.problem, sigma, local),
+            trajectory,
             float(0.5 * x @ (quadratic @ x) + linear @ x + constant),
             float(np.abs(x[self.a]).max()),
             float(np.abs(quadratic @ step).max()) / COST_SCALE,
+            self._bend(x, bend, trajectory),
         )
+
+    def _bend(self, x: Array, bend: Bend, trajectory: Trajectory) -> Bend:
+        """True values at the end of a step less those of the rows without a bend."""
+        state, lever = dynamics(self.problem, trajectory), self.problem.clear_lever
+        slack, give = x[self.slack], x[self.give]
+        linear = self.nominal.rotation[:, 2, :] @ lever.T
+        linear += np.einsum("kpi,ki->kp", self._rise_by_turn(), x[self.a])
+        return Bend(
+            state.moment - (slack[:, :3] - slack[:, 3:]) + bend.moment,
+            state.table - x[self.table] - (give[:, :3] - give[:, 3:]) + bend.table,
+            trajectory.rotation[:, 2, :] @ lever.T - linear,
+        )
+
+    def _rise_by_turn(self) -> Array:
+        """(K, P, 3) gradient of the height of Exp(a) R p: z + e_z . (a x R p)."""
+        lever = np.einsum("kij,pj->kpi", self.nominal.rotation, self.problem.clear_lever)
+        return np.stack((lever[..., 1], -lever[..., 0], np.zeros(lever.shape[:2])), axis=-1)
 
     def _point(self) -> Array:
         """The nominal trajectory as a vector of variables."""
@@ -159,10 +209,10 @@ class Round:
             pull = 2.0 * np.einsum("...ij,...i->...j", jac, residual)
             np.add.at(linear, columns, np.broadcast_to(pull, columns.shape))
             constant += float(np.sum(residual**2))
-        linear[self.slack] = PENALTY
+        linear[self.slack], linear[self.give] = PENALTY, FORCE * PENALTY
         return quadratic.matrix(), linear, constant
 
-    def _equalities(self, rows: Rows) -> int:
+    def _equalities(self, rows: Rows, bend: Bend) -> int:
         problem, nominal, h = self.problem, self.nominal, self.problem.step_s
         eye, steps = np.eye(3), problem.steps
         ends = rows.open(np.zeros((4, 3)))
@@ -179,8 +229,13 @@ class Round:
         rows.put(row, self.omega[1:], eye)
         rows.put(row, self.omega[:-1], -eye)
         rows.put(row, self.sigma[:-1], -h * eye)
-        self._linear_dynamics(rows, self.state.moment, self.state.moment_by, self.slack, 10.0)
-        self._linear_dynamics(rows, self.state.table, self.state.table_by, self.table, 1.0)
+        state = self.state
+        moment, table = state.moment + bend.moment, state.table + bend.table
+        row = self._linear_dynamics(rows, moment, state.moment_by, 10.0)
+        rows.put(row, self.slack, 10.0 * np.hstack((-eye, eye)))
+        row = self._linear_dynamics(rows, table, state.table_by, 1.0)
+        rows.put(row, self.table, -eye)
+        rows.put(row, self.give, np.hstack((-eye, eye)))
         ramp = rows.open(problem.ramp[1:, None])
         rows.put(ramp, self.push[:, -1, 2:], np.ones((1, 1)))
         gone = rows.open(np.zeros(2))
@@ -188,9 +243,9 @@ class Round:
         return rows.count
 
     def _linear_dynamics(
-        self, rows: Rows, value: Array, by: tuple[Array, ...], out: Any, scale: float
-    ) -> None:
-        """value + sum of derivatives times changes = moment slack, or = table force."""
+        self, rows: Rows, value: Array, by: tuple[Array, ...], scale: float
+    ) -> NDArray[np.intp]:
+        """Rows of scale (value + sum of derivatives times changes) = ...; returns their numbers."""
         nominal = self.nominal
         local = nominal.local.reshape(self.problem.steps, -1)
         known = (
@@ -202,10 +257,9 @@ class Round:
         push = self.push.reshape(self.problem.steps, -1)
         for columns, block in zip((self.a, self.omega, self.sigma, push), by, strict=True):
             rows.put(row, columns, scale * block)
-        split = np.hstack((-np.eye(3), np.eye(3))) if out.shape[1] == 6 else -np.eye(3)
-        rows.put(row, out, scale * split)
+        return row
 
-    def _inequalities(self, rows: Rows) -> int:
+    def _inequalities(self, rows: Rows, bend: Bend) -> int:
         problem, first, one = self.problem, rows.count, np.ones((1, 1))
         normals = [self.table[:, 2:], *(self.push[:, i, 2:] for i in range(problem.staying))]
         for i, columns in enumerate(normals):
@@ -213,16 +267,15 @@ class Round:
             upper = problem.normal_max[i] - BOUND_RESERVE_N
             rows.put(rows.open(np.full((problem.steps, 1), -lower)), columns, -one)
             rows.put(rows.open(np.full((problem.steps, 1), upper)), columns, one)
-        rows.put(rows.open(np.zeros(self.slack.shape)), self.slack, -np.eye(6))
+        for positive in (self.slack, self.give):
+            rows.put(rows.open(np.zeros(positive.shape)), positive, -np.eye(6))
         limit = np.full(self.a.shape, self.radius)
         rows.put(rows.open(limit), self.a, np.eye(3))
         rows.put(rows.open(limit), self.a, -np.eye(3))
         if len(problem.clear_rise):
-            lever = np.einsum("kij,pj->kpi", self.nominal.rotation, problem.clear_lever)
-            # height of Exp(a) R p: z + e_z . (a x R p)
-            gradient = np.stack((lever[..., 1], -lever[..., 0], np.zeros(lever.shape[:2])), -1)
-            row = rows.open(lever[..., 2] - problem.clear_rise)
-            rows.put(row, self.a, -gradient)
+            rise = self.nominal.rotation[:, 2, :] @ problem.clear_lever.T + bend.rise
+            row = rows.open(rise - problem.clear_rise)
+            rows.put(row, self.a, -self._rise_by_turn())
         return rows.count - first
 
     def _cones(self, rows: Rows) -> int:

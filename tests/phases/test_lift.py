@@ -151,7 +151,7 @@ def test_yaw_of_the_scene_turns_the_whole_lift(moment: Fixture, planned: Fixture
     "change",
     [
         pytest.param(("friction: 0.8", "friction: 0.02"), id="friction"),
-        pytest.param(("max: 4.0", "max: 0.31"), id="force"),
+        pytest.param(("max: 4.0", "max: 1.01"), id="force"),
     ],
 )
 def test_infeasible_lift_names_the_contact_that_binds_and_a_mend(
