@@ -29,7 +29,7 @@ class ToolGains:
     """
 
     stiffness: float = 3.0
-    damping: float = 0.1
+    damping: float = 0.05
     share: float = 0.25
 
     def __post_init__(self) -> None:

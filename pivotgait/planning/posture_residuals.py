@@ -49,8 +49,8 @@ class PostureWeights:
     clearance: float = 1e-3
     clearance_wish: float = 1e-3
     idle_wish: float = 6e-3
-    limit: float = 0.1
-    limit_margin: float = 0.04
+    limit: float = 0.03
+    limit_margin: float = 0.05
     coupling: float = 0.2
     coupling_margin: float = 0.04
     dexterity: float = 5e-4

@@ -39,7 +39,7 @@ class PostureOptions:
     time_limit_s: float = 30.0
     singular_value_min: float = 5e-4
     rounds: tuple[int, int, int] = (25, 30, 30)
-    near_home: float = 0.5
+    near_home: float = 0.25
 
 
 @dataclass

@@ -41,7 +41,7 @@ def fit_postures(
     postures, damping = np.clip(start, robot.lower, robot.upper), 1e-2
     model, accepted, gain = residuals.normal_equations(postures), 0, np.inf
     while accepted < iterations and (gain >= tolerance or accepted < _LEAST_STEPS):
-        for _ in range(6):
+        for _ in range(12):
             step = _damped_step(model, damping, robot.nv).reshape(postures.shape)
             step *= min(1.0, _LARGEST_STEP / max(float(np.abs(step).max()), 1e-12))
             trial = np.clip(postures + step, robot.lower, robot.upper)

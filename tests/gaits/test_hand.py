@@ -116,7 +116,7 @@ def test_without_the_hand_there_is_no_robot() -> None:
 
 
 def test_torques_are_those_under_the_scene_s_gravity() -> None:
-    text = knife(until="relocation").yaml.replace("[0, 0, -9.81]", "[0.4, 0, -3.7]")
+    text = knife(until="relocation").yaml.replace("[0, 0, -9.81]", "[0.4, 0, -7.0]")
     plan = plan_gait(parse_scene(text))
     certificate = certify(plan)
     assert certificate.valid, [violation.as_json() for violation in certificate.violations]

@@ -1,5 +1,6 @@
 """Scenes that cannot be used: the error's type, exit code and words."""
 
+import re
 from contextlib import suppress
 from pathlib import Path
 
@@ -13,7 +14,15 @@ from pivotgait.models import export_scene, load_scene, parse_scene
 KNIFE = export_scene("knife")
 GAIT = KNIFE[KNIFE.index("    - {kind: lift") :]
 LIFT, TO_MIDDLE, ADD, REMOVE, TO_NEAR, ADD_NEAR = GAIT.splitlines()
-EDGE = "{finger: index, along_m: 0.038, around_deg: 180,"
+EDGE, MIDDLE, TABLE_MIN, FINGER_MIN = (
+    re.search(pattern, KNIFE).group(1)  # type: ignore[union-attr]
+    for pattern in (
+        r"index_edge: ({finger: index, along_m: [\d.]+, around_deg: 180,)",
+        r"middle_flat: {finger: middle, (along_m: [\d.]+)",
+        r"(min: [\d.]+), max: 6.0",
+        r"(min: [\d.]+, max: 4.0)",
+    )
+)
 
 # what to replace in the knife's scene, with what, the error's type, a part of its message
 BAD: dict[str, tuple[str, str, type[InputError], str]] = {
@@ -58,16 +67,16 @@ BAD: dict[str, tuple[str, str, type[InputError], str]] = {
     "friction too large": ("friction: 0.4", "friction: 4", SceneError, "must be at most 2, got 4"),
     "friction not finite": ("friction: 0.4", "friction: .nan", SceneError, "must be finite"),
     "infinite bound": ("max: 6.0", "max: .inf", SceneError, "must be finite"),
-    "negative bound": ("min: 0.02", "min: -1", SceneError, "must be at least 0, got -1"),
+    "negative bound": (TABLE_MIN, "min: -1", SceneError, "must be at least 0, got -1"),
     "f_min > f_max": (
-        "min: 0.02",
+        TABLE_MIN,
         "min: 7",
         SceneError,
         "table.normal_force_N: min 7 N is greater than max 6 N",
     ),
     "f_min > f_max of a finger": (
-        "min: 0.3",
-        "min: 9",
+        FINGER_MIN,
+        "min: 9, max: 4.0",
         SceneError,
         "contacts.thumb_spine.normal_force_N: min 9 N",
     ),
@@ -124,7 +133,7 @@ BAD: dict[str, tuple[str, str, type[InputError], str]] = {
     "zero along the axis": ("zero: [0, 0, 1]", "zero: [1, 0, 1]", SceneError, "normal to axis"),
     "axis beside the handle": ("-0.0145]", "0.2]", SceneError, "axis misses its shapes"),
     "off the handle": (
-        "along_m: 0.062",
+        MIDDLE,
         "along_m: 0.3",
         SceneError,
         "contacts.middle_flat: along_m 0.3 is off the handle - choose it within",

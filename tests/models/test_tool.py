@@ -104,11 +104,11 @@ def test_rest_touches_and_a_little_less_pitch_would_not(name: str, roll: float) 
 
 
 def test_known_rests() -> None:
-    # Knife on its side: the handle's front edge, 9 mm thicker than the tip, 218 mm behind it.
-    reach = np.hypot(0.218, 0.010)
-    by_hand = np.arcsin((0.010 * 0.218 - 0.001 * 0.218) / (0.218 * reach))
+    # Knife on its side: the handle's front edge, 9 mm thicker than the tip, 226 mm behind it.
+    reach = np.hypot(0.226, 0.010)
+    by_hand = np.arcsin((0.010 * 0.226 - 0.001 * 0.226) / (0.226 * reach))
     knife = rest_pitch(TOOLS["knife"], np.pi / 2)
-    assert 0.218 * np.sin(knife) == pytest.approx(0.010 * np.cos(knife) - 0.001, abs=1e-12)
+    assert 0.226 * np.sin(knife) == pytest.approx(0.010 * np.cos(knife) - 0.001, abs=1e-12)
     assert knife == pytest.approx(by_hand, abs=2e-3)
     assert rest_pitch(TOOLS["wrench"], 0.0) == pytest.approx(0.0, abs=1e-12)
     front = 0.105 + 0.01425

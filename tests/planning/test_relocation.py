@@ -224,6 +224,9 @@ def test_a_search_that_fails_leaves_its_record(first_contact: RelocationProblem)
     assert plan.summary()["failure"] == plan.failure
     plan = plan_relocation(curled(first_contact, time_limit_s=1e-9), np.random.default_rng(0))
     assert "search: time limit, collision binds" in plan.failure
+    plan = plan_relocation(curled(first_contact, max_iterations=3), np.random.default_rng(0))
+    assert "search: iteration limit" in plan.failure
+    assert plan.iterations == 3
 
 
 @pytest.mark.parametrize("name", ["start", "goal"])
