@@ -10,8 +10,8 @@ from rich.markup import escape
 from pivotgait.commands.output import Output, verdict
 from pivotgait.exceptions import InputError
 from pivotgait.feasibility import Variants, Verdict, VerdictOptions, judge
-from pivotgait.feasibility.changes import Value
 from pivotgait.models import builtin_scenes, load_scene
+from pivotgait.models.parameters import Value
 
 _SHOWN = {
     "friction_drop": ("friction lower", "%"),
@@ -44,7 +44,7 @@ def run_feasibility(scene: str, given: Sequence[str], options: VerdictOptions, o
     return 0 if found.feasible else 1
 
 
-def read_changes(given: Sequence[str]) -> dict[str, Value]:
+def read_changes(given: Sequence[str], *, where: str = "--set") -> dict[str, Value]:
     """Parameter -> value of ``PATH=VALUE`` texts, in their order.
 
     Raises:
@@ -55,7 +55,7 @@ def read_changes(given: Sequence[str]) -> dict[str, Value]:
         path, mark, value = (part.strip() for part in text.partition("="))
         if not (path and mark and value):
             mend = "write PATH=VALUE, for example contacts.*.friction=0.4"
-            raise InputError(f"cannot read {text!r}", where="--set", mend=mend)
+            raise InputError(f"cannot read {text!r}", where=where, mend=mend)
         try:
             changes[path] = float(value)
         except ValueError:

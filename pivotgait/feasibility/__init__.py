@@ -2,10 +2,13 @@
 
 from pivotgait.feasibility.changes import Variants
 from pivotgait.feasibility.grasps import Grasps
+from pivotgait.feasibility.maps import FeasibilityMap, MapAxis, trace_map, trace_slices
+from pivotgait.feasibility.questions import Question
 from pivotgait.feasibility.rays import Rays, RayShooter
 from pivotgait.feasibility.rehearsal import Obstacle, Rehearsal, rehearse
-from pivotgait.feasibility.robustness import RobustMargins, robust_margins
+from pivotgait.feasibility.robustness import RobustMargins, friction_drop, robust_margins
 from pivotgait.feasibility.sensitivity import Sensitivity, sensitivity
+from pivotgait.feasibility.shares import ShareMap, share_map
 from pivotgait.feasibility.static_verdicts import StaticVerdicts, static_verdicts
 from pivotgait.feasibility.support import holding_power, support
 from pivotgait.feasibility.tightest import Tightest, tightest_limit
@@ -16,13 +19,17 @@ from pivotgait.feasibility.wrench_volume import WrenchVolume, wrench_volume
 
 __all__ = [
     "Binding",
+    "FeasibilityMap",
     "Grasps",
+    "MapAxis",
     "Obstacle",
+    "Question",
     "RayShooter",
     "Rays",
     "Rehearsal",
     "RobustMargins",
     "Sensitivity",
+    "ShareMap",
     "StaticVerdicts",
     "Tightest",
     "Turn",
@@ -31,17 +38,21 @@ __all__ = [
     "VerdictOptions",
     "WrenchBall",
     "WrenchVolume",
+    "friction_drop",
     "held_at",
     "holding_power",
     "judge",
     "rehearse",
     "robust_margins",
     "sensitivity",
+    "share_map",
     "smallest_tilt",
     "static_verdicts",
     "support",
     "tightest_limit",
     "tool_length",
+    "trace_map",
+    "trace_slices",
     "wrench_ball",
     "wrench_volume",
 ]

@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-from pivotgait.exceptions import InputError, UnknownNameError
 from pivotgait.models import Scene, revise_scene
-
-MASS_SCALE = "tool.mass_scale"
-"""The one parameter that is no field of the scene: factor of the tool's mass and inertia."""
-LIFT_TARGET = {f"tool.{each}": f"lift.to.{each}" for each in ("pitch_deg", "roll_deg", "yaw_deg")}
-PHASES = ("lift", "addition", "removal", "relocation")
-HIDDEN = {"schema", "name", "description", "gaits", "tool", "validation"}
-"""Fields that no message offers."""
-Value = float | str
+from pivotgait.models.parameters import (
+    MASS_SCALE,
+    Fields,
+    Place,
+    Value,
+    places_of,
+    set_values,
+    with_scaled_mass,
+)
 
 
 class Variants:
     """Scenes that differ from one in the values of some parameters.
 
-    A parameter is a path such as ``table.friction``, ``contacts.thumb_spine.along_m`` or
-    ``contacts.thumb_spine.normal_force_N.max``; ``*`` stands for every key
-    (``contacts.*.friction``). ``lift``, ``addition``, ``removal`` and ``relocation`` stand for all
-    phases of that kind (``removal.duration_s``), ``tool.pitch_deg``, ``tool.roll_deg`` and
-    ``tool.yaw_deg`` for the lift's target, ``tool.mass_scale`` for a factor of mass and inertia.
+    See :func:`pivotgait.models.parameters.places_of` for the parameters' names; besides,
+    ``tool.mass_scale`` is a factor of mass and inertia.
 
     Args:
         scene: to start from.
@@ -36,69 +31,42 @@ class Variants:
 
     def __init__(self, scene: Scene, folder: Path | None = None) -> None:
         self.scene, self._folder = scene, folder
-        self._fields = json.dumps(scene.config.model_dump(mode="json", by_alias=True))
+        fields = scene.config.model_dump(mode="json", by_alias=True)
+        self._fields = json.dumps(fields)
+        self._places: dict[str, tuple[Place, ...]] = {}
+
+    def value(self, parameter: str) -> Value:
+        """The value of a parameter now; of several, the first.
+
+        Raises:
+            UnknownNameError, SceneError: see :meth:`scene_with`.
+        """
+        if parameter == MASS_SCALE:
+            return 1.0
+        node = json.loads(self._fields)
+        for key in self._places_of(parameter)[0]:
+            node = node[key]
+        found: Value = node
+        return found
 
     def scene_with(self, changes: Mapping[str, Value]) -> Scene:
         """The scene after some changes.
 
         Raises:
-            SceneError: the values make no scene.
+            SceneError: the values make no scene, or a path ends in no single number or name.
             UnknownNameError: no such parameter; lists the keys at the place of the first
                 unknown one.
-            InputError: a path that ends in no single number or name.
         """
-        fields: dict[str, Any] = json.loads(self._fields)
-        scale = 1.0
-        for path, value in changes.items():
-            if path == MASS_SCALE:
-                scale = _positive(value)
-                continue
-            for node, key in _leaves(fields, path):
-                whole = isinstance(node[key], int) and isinstance(value, float)
-                node[key] = int(value) if whole and float(value).is_integer() else value
-        scene = self.scene
-        if any(path != MASS_SCALE for path in changes):
+        scene, named = self.scene, {k: v for k, v in changes.items() if k != MASS_SCALE}
+        if named:
+            fields: Fields = json.loads(self._fields)
+            for path, value in named.items():
+                set_values(fields, self._places_of(path), value)
             scene = revise_scene(scene, fields, where=scene.name, folder=self._folder)
-        tool = scene.tool
-        heavier = replace(tool, mass=scale * tool.mass, inertia=scale * tool.inertia)
-        return scene if scale == 1.0 else replace(scene, tool=heavier)
+        scale = changes.get(MASS_SCALE, 1.0)
+        return scene if scale == 1.0 else with_scaled_mass(scene, scale)
 
-
-def _positive(value: Value) -> float:
-    if isinstance(value, str) or not 0.0 < value < float("inf"):
-        raise InputError(f"must be a number > 0, got {value}", where=MASS_SCALE, mend="give 1.2")
-    return float(value)
-
-
-def _leaves(fields: dict[str, Any], path: str) -> Iterator[tuple[Any, Any]]:
-    """The containers and keys of every value that a path names."""
-    keys = LIFT_TARGET.get(path, path).split(".")
-    nodes: list[Any] = [fields]
-    if keys[0] in PHASES:
-        kind = keys.pop(0)
-        gaits = fields["gaits"].values()
-        nodes = [phase for gait in gaits for phase in gait if phase["kind"] == kind]
-    for depth, key in enumerate(keys):
-        last = depth == len(keys) - 1
-        found = [(node, each) for node in nodes for each in _matching(node, key)]
-        if not found:
-            known = sorted({str(each) for node in nodes for each in _keys(node)} - HIDDEN)
-            more = () if depth else (*PHASES, *LIFT_TARGET, MASS_SCALE)
-            raise UnknownNameError("parameter", path, (*known, *more), where="--set")
-        for node, each in found if last else ():
-            if isinstance(node[each], dict | list | bool | None):
-                what, mend = f"{path!r} is not a single number or name", "go on to one of its keys"
-                raise InputError(what, where="--set", mend=mend)
-            yield node, each
-        nodes = [node[each] for node, each in found]
-
-
-def _matching(node: Any, key: str) -> Iterator[Any]:
-    return (each for each in _keys(node) if key in ("*", str(each)))
-
-
-def _keys(node: Any) -> Iterator[Any]:
-    if isinstance(node, dict):
-        yield from node
-    elif isinstance(node, list):
-        yield from range(len(node))
+    def _places_of(self, path: str) -> tuple[Place, ...]:
+        if path not in self._places:
+            self._places[path] = places_of(path, json.loads(self._fields), where="parameter")
+        return self._places[path]

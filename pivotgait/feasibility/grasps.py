@@ -106,6 +106,24 @@ class Grasps:
         )
         return cls(problem, mu)
 
+    @classmethod
+    def joined(cls, parts: Sequence[Grasps]) -> Grasps:
+        """Several batches without rows and with the same contacts, one after the other.
+
+        Raises:
+            InputError: none, other contacts, or rows.
+        """
+        if len({each.names for each in parts}) != 1 or any(p.problem.rows for p in parts):
+            raise InputError("grasps are not of one shape", mend="join those of the same contacts")
+        fields = ("lever", "normals", "normal_min", "normal_max", "wrench")
+        joined: dict[str, Any] = {
+            name: np.concatenate([getattr(each.problem, name) for each in parts]) for name in fields
+        }
+        friction = np.concatenate([each.friction for each in parts])
+        fixed = np.concatenate([each.problem.fixed for each in parts])
+        first = parts[0].problem
+        return cls(replace(first, friction=friction[0], normal_fixed=fixed, **joined), friction)
+
     @property
     def count(self) -> int:
         """Number of grasps B."""

@@ -34,6 +34,18 @@ def limit_matrix(form: LocalForm, group: Reduced) -> Array:
     return out
 
 
+def tightest_labels(group: Reduced, dual: Array) -> list[tuple[str, int]]:
+    """Kind and contact (or row) of the limit with the largest multiplier, of each of B samples.
+
+    Args:
+        group: the samples.
+        dual: (q, B) multipliers of their limits.
+    """
+    cone, scalar = group.cones.split(dual)
+    weight = np.concatenate((cone[2], scalar))
+    return [group.labels[k] for k in np.argmax(weight, axis=0).tolist()]
+
+
 def limit_push(form: LocalForm, group: Reduced, dual: Array) -> Array:
     """(B, m, 3) K' y: multipliers (q, B) of the limits as pushes on the contact coordinates."""
     push = np.einsum("bqj,qb->bj", limit_matrix(form, group), dual)

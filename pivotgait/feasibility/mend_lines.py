@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from pivotgait.feasibility.changes import MASS_SCALE, Value
 from pivotgait.feasibility.rehearsal import Obstacle
 from pivotgait.models import LiftPhase, PhaseConfig, RelocationPhase, RemovalPhase, Scene
+from pivotgait.models.parameters import MASS_SCALE, Value
 
 FRICTION_MAX = 2.0
 """Largest friction a scene may name."""

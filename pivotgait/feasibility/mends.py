@@ -8,13 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pivotgait.exceptions import PivotGaitError
-from pivotgait.feasibility.changes import Value, Variants
+from pivotgait.feasibility.changes import Variants
 from pivotgait.feasibility.grasps import Grasps
 from pivotgait.feasibility.mend_lines import TURN_MAX, Line, SceneMend, mend_lines
 from pivotgait.feasibility.rehearsal import Obstacle, Rehearsal, rehearse
 from pivotgait.feasibility.static_verdicts import static_verdicts
 from pivotgait.feasibility.turns import held_at, smallest_tilt
 from pivotgait.models import LiftPhase, RemovalPhase, Scene
+from pivotgait.models.parameters import Value
 from pivotgait.phases.allocation import allocation_problem
 from pivotgait.phases.grasp import Setting
 from pivotgait.phases.lift import LiftOptions, lift_motion

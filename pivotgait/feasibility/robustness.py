@@ -106,6 +106,13 @@ def robust_margins(grasps: Grasps, force: Array | None = None) -> RobustMargins:
     )
 
 
+def friction_drop(grasps: Grasps) -> Array:
+    """(B,) the ``friction_drop`` of :class:`RobustMargins` alone; also for infeasible grasps."""
+    every = np.ones(len(grasps.names), dtype=bool)
+    factor = _FrictionFactor(np.log(LARGEST_FACTOR), np.log(LEAST_FACTOR), every)
+    return _drop(_edges(grasps, [factor])[0])
+
+
 def _drop(logarithm: Array) -> Array:
     """Relative loss of a limit from the logarithm of the least factor that suffices."""
     drop = np.where(logarithm <= np.log(LEAST_FACTOR), 1.0, 1.0 - np.exp(logarithm))

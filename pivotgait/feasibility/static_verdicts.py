@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pivotgait.contacts import cone_margin, friction_margin, grasp_map
 from pivotgait.feasibility.grasps import Grasps
-from pivotgait.feasibility.limits import separating_twist
+from pivotgait.feasibility.limits import separating_twist, tightest_labels
 from pivotgait.feasibility.support import holding_power
 from pivotgait.forces.local_form import LocalForm, local_form
 from pivotgait.forces.null_space import Inconsistent, reduce
@@ -39,6 +39,10 @@ class StaticVerdicts:
         force: (B, m, 3) forces on the tool, problem's frame [N]; NaN where infeasible.
         twist: (B, 6) where infeasible, the twist that proves it, largest component 1 (moments
             over lengths in metres); NaN where feasible.
+        tightest: of each grasp the kind (``friction``, ``normal_min``, ``normal_max``, ``rows``,
+            or ``wrench`` where no forces of any size apply the load) and the contact (the row's
+            number, or nobody) of the limit that keeps it from being deeper; empty unless
+            ``exact`` was asked for.
     """
 
     grasps: Grasps
@@ -46,6 +50,7 @@ class StaticVerdicts:
     depth: Array
     force: Array
     twist: Array
+    tightest: tuple[tuple[str, str], ...] = ()
 
     def wrench_residual(self) -> Array:
         """(B,) largest component of G f - w where feasible [N, N m], else NaN."""
@@ -90,6 +95,7 @@ def static_verdicts(grasps: Grasps, *, exact: bool = False) -> StaticVerdicts:
     feasible = np.zeros(count, dtype=bool)
     depth = np.full(count, -np.inf)
     force, twist = np.full((count, m, 3), np.nan), np.full((count, 6), np.nan)
+    tightest = [("wrench", "")] * count
     for first in range(0, count, CHUNK):
         part = np.arange(first, min(first + CHUNK, count))
         some = grasps if len(part) == count else grasps.take(part)
@@ -102,6 +108,10 @@ def static_verdicts(grasps: Grasps, *, exact: bool = False) -> StaticVerdicts:
             end = phase_one(group.cones, exact=exact)
             depth[at] = -end.shift * group.scale
             good = end.shift <= FEASIBLE
+            labels = tightest_labels(group, end.dual) if exact else []
+            for place, (kind, index) in zip(at, labels, strict=False):
+                contact = str(index) if kind == "rows" else grasps.names[index]
+                tightest[place] = (kind, contact)
             feasible[at] = good
             local = np.zeros((len(at), m, 3))
             local[good] = group.forces(end.z)[good]
@@ -111,7 +121,8 @@ def static_verdicts(grasps: Grasps, *, exact: bool = False) -> StaticVerdicts:
             size = np.abs(opposed).max(axis=1, keepdims=True)
             twist[at] = np.where(good[:, None], np.nan, opposed / np.maximum(size, TINY))
     feasible.setflags(write=False)
-    return StaticVerdicts(grasps, feasible, frozen(depth), frozen(force), frozen(twist))
+    bound = tuple(tightest) if exact else ()
+    return StaticVerdicts(grasps, feasible, frozen(depth), frozen(force), frozen(twist), bound)
 
 
 def _unreachable(form: LocalForm, grasps: Grasps, index: NDArray[np.intp]) -> Array:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from pivotgait.exceptions import InputError
 from pivotgait.feasibility.grasps import Grasps
+from pivotgait.feasibility.limits import tightest_labels
 from pivotgait.forces.local_form import local_form
 from pivotgait.forces.null_space import Inconsistent, reduce
 from pivotgait.forces.phase_one import phase_one
@@ -40,8 +39,6 @@ def tightest_limit(grasps: Grasps) -> Tightest:
     if isinstance(group, Inconsistent):
         return Tightest("wrench", "", -float(group.residual[0]))
     end = phase_one(group.cones, exact=True)
-    cone, scalar = group.cones.split(end.dual)
-    weight = np.concatenate((cone[2, :, 0], scalar[:, 0]))
-    kind, index = group.labels[int(np.argmax(weight))]
+    kind, index = tightest_labels(group, end.dual)[0]
     contact = str(index) if kind == "rows" else grasps.names[index]
     return Tightest(kind, contact, -float(end.shift[0] * group.scale[0]))

@@ -22,8 +22,10 @@ DIRECTIONS, STEP_RAD = 32, np.radians(1.5)
 """Of the scan: a feasible patch between its nodes is missed."""
 COARSER = 4
 """The step of a coarse scan over that of a full one."""
-REFINEMENTS, FINER = 5, 7
-"""Rounds of refinement about the best node, and nodes of each along either coordinate."""
+REFINEMENTS, FINER, AROUND = 5, 7, 5
+"""Rounds of refinement about the best nodes, and nodes of each by size and about each heading."""
+HEADINGS = 8
+"""Most headings that a round of refinement goes on from."""
 BEYOND_RAD = np.radians(1e-3)
 """The tool is turned so much further than the edge of what can be held."""
 
@@ -95,23 +97,33 @@ def smallest_tilt(
         best = int(np.argmax(depth))
         return Turn(False, size[best], _tilted(start, size[best], way[best]), float(depth[best]))
     best = int(np.argmax(good))  # sizes ascend
-    found, heading = float(size[best]), float(way[best])
+    found = float(size[best])
+    # every heading that is good at that size may lead to a smaller one
+    headings = _some(way[good & (size == found)])
     spread = 2.0 * np.pi / directions
     for _ in range(REFINEMENTS if found > 0.0 and not coarse else 0):
         nearer = np.linspace(max(found - step, 0.0), found, FINER)
-        about = heading + spread * np.linspace(-1.0, 1.0, FINER)
+        about = headings[:, None] + spread * np.linspace(-1.0, 1.0, AROUND)
+        about = np.unique(np.round(np.mod(about, 2.0 * np.pi), 9))
         size, way = (grid.reshape(-1) for grid in np.meshgrid(nearer, about, indexing="ij"))
         good = _depths(scene, fingers, start, size, way) >= 0.0
         if good.any():
-            best = int(np.argmax(good))
-            found, heading = float(size[best]), float(way[best])
+            found = float(size[int(np.argmax(good))])
+            headings = _some(way[good & (size == found)])
         step, spread = step / (FINER - 1), 0.5 * spread
+    heading = float(headings[0])
     if found > 0.0 and not coarse:
         further = min(found + BEYOND_RAD, turn_max_rad)
         if _depths(scene, fingers, start, np.array([further]), np.array([heading]))[0] >= 0.0:
             found = further
     end = _depths(scene, fingers, start, np.array([found]), np.array([heading]))
     return Turn(True, found, _tilted(start, found, heading), float(end[0]))
+
+
+def _some(headings: Array) -> Array:
+    """At most :data:`HEADINGS` of them, spread evenly."""
+    picks = np.linspace(0, len(headings) - 1, min(len(headings), HEADINGS))
+    return np.asarray(headings[picks.round().astype(int)])
 
 
 def _tilted(start: Rotation, size: Array | float, way: Array | float) -> Rotation:

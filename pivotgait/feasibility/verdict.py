@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pivotgait.exceptions import InfeasibleError, InputError, UnknownNameError
-from pivotgait.feasibility.changes import Value, Variants
+from pivotgait.feasibility.changes import Variants
 from pivotgait.feasibility.gait_margins import GaitMargins, gait_margins
 from pivotgait.feasibility.mend_lines import SceneMend
 from pivotgait.feasibility.mends import MendSearch
@@ -19,6 +19,7 @@ from pivotgait.feasibility.wrench_ball import tool_length
 from pivotgait.margins import Margin, largest_share, phase_margins, smallest_of_phase
 from pivotgait.margins.smallest import MarginKind
 from pivotgait.models import Scene
+from pivotgait.models.parameters import Value
 from pivotgait.phases.grasp import Setting
 from pivotgait.plans import GaitPlan, Phase
 

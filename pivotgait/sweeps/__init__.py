@@ -16,6 +16,7 @@ from pivotgait.sweeps.results import read_results, read_timings
 from pivotgait.sweeps.run import SweepSummary, run_sweep
 from pivotgait.sweeps.study import Study, builtin_studies, export_study, load_study, parse_study
 from pivotgait.sweeps.study_config import StudyConfig
+from pivotgait.sweeps.study_results import StudyResults, study_results
 
 __all__ = [
     "STATUSES",
@@ -27,6 +28,7 @@ __all__ = [
     "Study",
     "StudyConfig",
     "StudyError",
+    "StudyResults",
     "SweepError",
     "SweepFolder",
     "SweepFolderError",
@@ -42,4 +44,5 @@ __all__ = [
     "read_results",
     "read_timings",
     "run_sweep",
+    "study_results",
 ]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pivotgait.models.parameters import Value
 from pivotgait.sweeps.errors import StudyError
-from pivotgait.sweeps.parameters import Value
 from pivotgait.sweeps.study_config import DRAWN, KINDS, MAX_VALUES, AxisConfig, Between, Range
 
 

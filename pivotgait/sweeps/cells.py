@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import prod
 
+from pivotgait.models.parameters import Value
 from pivotgait.sweeps.axes import Axis
-from pivotgait.sweeps.parameters import Value
 
 
 @dataclass(frozen=True)

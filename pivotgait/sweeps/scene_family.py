@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
-from pivotgait.exceptions import SceneError
 from pivotgait.models import Scene, revise_scene
-from pivotgait.sweeps.parameters import MASS_SCALE, Fields, Place, Value, places_of, set_values
+from pivotgait.models.parameters import (
+    MASS_SCALE,
+    Fields,
+    Place,
+    Value,
+    places_of,
+    set_values,
+    with_scaled_mass,
+)
 from pivotgait.sweeps.study_config import StudyConfig
 
 
@@ -59,12 +65,4 @@ class SceneFamily:
             set_values(fields, self._places[name], value)
         scene = revise_scene(self._scene, fields, where="cell", folder=self._folder)
         scale = given.get(MASS_SCALE)
-        return scene if scale is None else _scaled(scene, float(scale))
-
-
-def _scaled(scene: Scene, scale: float) -> Scene:
-    if not scale > 0.0:
-        what = f"must be greater than 0, got {scale:g}"
-        raise SceneError(what, where=MASS_SCALE, mend="give a positive number")
-    tool = scene.tool
-    return replace(scene, tool=replace(tool, mass=scale * tool.mass, inertia=scale * tool.inertia))
+        return scene if scale is None else with_scaled_mass(scene, scale)

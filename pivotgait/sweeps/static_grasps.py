@@ -15,7 +15,7 @@ from pivotgait.sweeps.cells import Cell
 from pivotgait.sweeps.outcome import Columns, Outcome, failed
 from pivotgait.sweeps.scene_family import SceneFamily
 
-STATIC_COLUMNS: Columns = {"feasible": "bool", "depth_N": "float"}
+STATIC_COLUMNS: Columns = {"feasible": "bool", "depth_N": "float", "binding": "text"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,8 @@ class StaticGrasps:
 
     def outcomes(self, cells: Sequence[Cell]) -> list[Outcome]:
         """Of some cells; ``depth_N`` is by how much every limit could be tightened at once [N],
-        negative where they must be loosened, minus infinity where that does not help."""
+        negative where they must be loosened, minus infinity where that does not help; ``binding``
+        is the limit that keeps it from being more: its kind and contact."""
         found: dict[int, Outcome] = {}
         groups: dict[tuple[str, ...], dict[int, _Held]] = {}
         for place, cell in enumerate(cells):
@@ -93,6 +94,14 @@ def _judge(tools: Sequence[_Held]) -> list[Outcome]:
     )
     verdicts = static_verdicts(grasps, exact=True)
     return [
-        Outcome("done", "", {"feasible": bool(feasible), "depth_N": float(depth)})
-        for feasible, depth in zip(verdicts.feasible, verdicts.depth, strict=True)
+        Outcome(
+            "done",
+            "",
+            {
+                "feasible": bool(verdicts.feasible[k]),
+                "depth_N": float(verdicts.depth[k]),
+                "binding": " ".join(verdicts.tightest[k]).strip(),
+            },
+        )
+        for k in range(len(tools))
     ]

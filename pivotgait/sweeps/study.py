@@ -23,7 +23,7 @@ from pivotgait.sweeps.errors import StudyError, of_a_study
 from pivotgait.sweeps.study_checks import check_study
 from pivotgait.sweeps.study_config import StudyConfig
 
-RESULTS_SCHEMA = "pivotgait-results/1"
+RESULTS_SCHEMA = "pivotgait-results/2"
 """Of the columns and their meaning; a change makes every cell a new one."""
 _EXAMPLE = "pivotgait sweep --export knife_friction"
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pivotgait.exceptions import UnknownNameError
 from pivotgait.models import Scene
+from pivotgait.models.parameters import MASS_SCALE, Place, places_of
 from pivotgait.sweeps.cells import CellSpace
-from pivotgait.sweeps.errors import StudyError
-from pivotgait.sweeps.parameters import MASS_SCALE, Place, places_of
+from pivotgait.sweeps.errors import StudyError, of_a_study
 from pivotgait.sweeps.scene_family import base_fields
 from pivotgait.sweeps.study_config import StudyConfig
 from pivotgait.validation.controllers import check_controller
@@ -87,7 +87,8 @@ def _check_parameters(config: StudyConfig, scene: Scene, where: str) -> None:
         if parameter == MASS_SCALE and config.compute == "trials":
             mend = "vary validation.mass_share"
             raise StudyError("trials take the tool's mass from its URDF", where=at, mend=mend)
-        places = places_of(parameter, fields, where=at)
+        with of_a_study():
+            places = places_of(parameter, fields, where=at)
         for place in places or (parameter,):
             if place in setters:
                 what = f"sets what {setters[place]} sets, too"

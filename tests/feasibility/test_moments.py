@@ -54,7 +54,7 @@ def test_torque_limits_become_rows_that_bind_when_joints_are_weak():
     free = moments_of(phase, BODY, robot)
     assert not free.torque_limits
     radii = []
-    for share in (1e3, 1.0):
+    for share in (1e3, 0.17):  # with less than 0.15 the hand cannot hold the knife at all
         strong = replace(robot, effort_max=share * robot.effort_max)
         some = moments_of(moving, BODY, strong)
         assert some.torque_limits
@@ -63,7 +63,7 @@ def test_torque_limits_become_rows_that_bind_when_joints_are_weak():
     last_limited = last
     last = free.grasps.take(np.array([free.grasps.count - 1]))
     assert radii[0] == pytest.approx(wrench_ball(last, LENGTH).radius_N, rel=5e-3)
-    assert radii[1] <= radii[0]
+    assert radii[1] < 0.95 * radii[0]
     drop = robust_margins(last_limited).torque_drop[0]
     rows = last_limited.problem.rows
     assert rows.count >= 8  # every joint that feels a finger
@@ -77,7 +77,10 @@ def test_torque_limits_become_rows_that_bind_when_joints_are_weak():
 
 @pytest.mark.parametrize(
     ("words", "kind"),
-    [("needs 130 % of the torque of FFJ3", "torque"), ("no posture was found", "hand")],
+    [
+        ("needs 130 % of the torque of FFJ3", "torque"),
+        pytest.param("no posture was found", "hand", marks=pytest.mark.slow),
+    ],
 )
 def test_a_hand_that_cannot_do_it_makes_the_gait_infeasible(monkeypatch, words, kind):
     def refuse(*_args, **_options):

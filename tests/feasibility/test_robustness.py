@@ -127,6 +127,7 @@ def test_the_infeasible_know_how_much_friction_is_missing():
     assert np.all(np.isnan(FOUND.sensing_share[~HELD]))
 
 
+@pytest.mark.slow
 def test_weaker_joints_up_to_the_drop():
     rng = np.random.default_rng(5)
     matrix = rng.normal(size=(60, 6, 12))

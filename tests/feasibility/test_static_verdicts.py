@@ -149,7 +149,8 @@ def test_a_tool_at_rest_by_the_batch_is_the_scenes_one():
     lever = rotation.as_matrix() @ fingers[0].point
     assert np.allclose(grasps.problem.lever[0, 1], lever)
     assert np.allclose(grasps.problem.wrench[:, 2], scene.tool.mass * 9.81)
-    assert grasps.friction[0, 1] == pytest.approx(0.6)
+    usable = 1.0 - scene.allocation.friction_reserve
+    assert grasps.friction[0, 1] == pytest.approx(usable * fingers[0].friction)
     assert static_verdicts(grasps).feasible[0]
 
 

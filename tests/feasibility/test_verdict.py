@@ -53,6 +53,9 @@ SLOW = (
     "hasty lift",
     "hasty addition",
     "slippery table",
+    "slippery handle",
+    "heavy knife",
+    "weak fingers",
 )
 
 
@@ -86,6 +89,7 @@ def test_the_named_mend_makes_it_feasible(name):
         assert now is None or mend.from_ == now
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["slippery handle", "heavy knife", "weak fingers"])
 def test_much_less_than_the_mend_does_not_do(name):
     case, found = CASES[name], judged(name)
@@ -98,7 +102,9 @@ def test_much_less_than_the_mend_does_not_do(name):
         assert rehearse(scene, scene.gaits["default"]).obstacle is not None
 
 
-@pytest.mark.parametrize("name", ["knife", "screwdriver", "wrench"])
+@pytest.mark.parametrize(
+    "name", ["knife", "wrench", pytest.param("screwdriver", marks=pytest.mark.slow)]
+)
 def test_every_builtin_gait_is_feasible_and_says_how_far(name):
     found = judge(Variants(load_scene(name)))
     assert found.feasible

@@ -49,7 +49,9 @@ def sampled_radius(grasp: Grasps, rng: np.random.Generator) -> float:
     return least
 
 
-@pytest.mark.parametrize("contacts", [3, 4, 5])
+@pytest.mark.parametrize(
+    "contacts", [3, *(pytest.param(each, marks=pytest.mark.slow) for each in (4, 5))]
+)
 def test_the_radius_agrees_with_sampled_directions_to_one_percent(contacts):
     for k, grasp in enumerate(held(contacts, 5)):
         ball = wrench_ball(grasp, LENGTH)
