@@ -14,10 +14,21 @@ from pivotgait.commands.validation import show_trials
 from pivotgait.exceptions import InputError
 from pivotgait.models import builtin_scenes
 from pivotgait.plans import GaitPlan
+from pivotgait.sweeps.folder import MANIFEST
 from pivotgait.validation import TrialOptions, TrialResult, TrialSet, run_trials, write_record
 
-_FILES = ("report.html", "summary.json", "view.html", "run_view.html", "record.h5", "trials.h5")
-"""What a run leaves beside ``plan.h5``, the page first."""
+_FILES = (
+    "report.html",
+    "summary.json",
+    "view.html",
+    "run_view.html",
+    "record.h5",
+    "trials.h5",
+    "comparison.json",
+    "comparison_pybullet.h5",
+    "comparison_mujoco.h5",
+)
+"""What a run and a comparison leave beside ``plan.h5``, the page first."""
 
 
 @dataclass(frozen=True)
@@ -94,8 +105,8 @@ def _check(wanted: ClosedLoop, hand: bool) -> None:
 
 
 def run_report(folder: Path, out: Output) -> int:
-    """Write the report of a folder that holds a plan."""
-    from pivotgait.reporting import report_from_folder
+    """Write the report of a folder that holds a plan or a sweep."""
+    from pivotgait.reporting import report_from_folder, report_from_sweep
 
     try:
         there = folder.is_dir()
@@ -103,6 +114,14 @@ def run_report(folder: Path, out: Output) -> int:
         there = False
     if not there:
         raise InputError("is not a folder", where=str(folder)[:80], mend="give the --out of a run")
+    if (folder / MANIFEST).exists():
+        with out.progress("drawing the report", 1) as bar:
+            report = report_from_sweep(folder)
+            bar.advance(bar.task_ids[0])
+        out.say(f"report: {escape(str(report.page))}")
+        out.say(f"as PDF: {escape(str(report.pdf))}")
+        out.emit({"report": str(report.page), "pdf": str(report.pdf)})
+        return 0
     with out.progress("drawing the report", 1) as bar:
         page = report_from_folder(folder)
         bar.advance(bar.task_ids[0])

@@ -1,5 +1,9 @@
 """Closed-loop trials: another physics engine carries a plan out and a stated rule judges it."""
 
+from pivotgait.validation.agreement import Agreement, Tolerances
+from pivotgait.validation.baselines import BASELINES, Baseline, run_baselines
+from pivotgait.validation.comparing import CarriedOut, compare_runs
+from pivotgait.validation.comparison import CompareOptions, Comparison, compare_engines
 from pivotgait.validation.metrics import Metrics
 from pivotgait.validation.perturbation import ForceSensing, Perturbation
 from pivotgait.validation.record import RecordError, plan_digest, read_summary, write_record
@@ -18,8 +22,14 @@ from pivotgait.validation.wilson import wilson_interval
 from pivotgait.validation.world import World
 
 __all__ = [
+    "BASELINES",
     "FAILURES",
     "FINAL_HOLD",
+    "Agreement",
+    "Baseline",
+    "CarriedOut",
+    "CompareOptions",
+    "Comparison",
     "ForceSensing",
     "Metrics",
     "Perturbation",
@@ -32,16 +42,20 @@ __all__ = [
     "SimulatorState",
     "Stage",
     "Timing",
+    "Tolerances",
     "TrialOptions",
     "TrialResult",
     "TrialSet",
     "Verdict",
     "World",
+    "compare_engines",
+    "compare_runs",
     "judge",
     "make_simulator",
     "plan_digest",
     "read_summary",
     "run",
+    "run_baselines",
     "run_trial",
     "run_trials",
     "wilson_interval",

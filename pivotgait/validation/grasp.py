@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
+from scipy.optimize import lsq_linear
 
 from pivotgait.exceptions import PlanFileError
 from pivotgait.frozen import Array
@@ -98,9 +99,22 @@ def standing_off(plan: GaitPlan, robot: Robot, distances: Mapping[str, float]) -
                 finger.tip_frame_id,
                 pin.ReferenceFrame.LOCAL_WORLD_ALIGNED,
             )[:3, columns]
-            damped = jacobian @ jacobian.T + _DAMPING * np.eye(3)
-            q[columns] += jacobian.T @ np.linalg.solve(damped, error)
+            q[columns] += _bounded_step(
+                jacobian,
+                error,
+                robot.lower[columns] - q[columns],
+                robot.upper[columns] - q[columns],
+            )
     return np.asarray(np.clip(q, robot.lower, robot.upper))
+
+
+def _bounded_step(jacobian: Array, error: Array, lower: Array, upper: Array) -> Array:
+    """min |J dq - error|^2 + damping |dq|^2 within bounds: other joints do what one cannot."""
+    joints = jacobian.shape[1]
+    rows = np.vstack((jacobian, np.sqrt(_DAMPING) * np.eye(joints)))
+    room = np.maximum(upper, 1e-9)
+    step = lsq_linear(rows, np.append(error, np.zeros(joints)), (np.minimum(lower, -1e-9), room))
+    return np.asarray(step.x)
 
 
 def _tip(robot: Robot, data: pin.Data, frame: int, q: Array) -> Array:

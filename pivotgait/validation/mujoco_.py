@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from pivotgait.frozen import Array
 from pivotgait.kinematics import cross_matrix
-from pivotgait.validation.mujoco_model_ import ROBOT, TABLE, build_model
+from pivotgait.validation.mujoco_model_ import ROBOT, TABLE, build_model, write_no_log
 from pivotgait.validation.simulator import SimulatorOptions, SimulatorState
 from pivotgait.validation.world import World
 
@@ -30,14 +30,13 @@ class MuJoCoSimulator:
     def __init__(self, world: World, options: SimulatorOptions) -> None:
         import mujoco
 
-        if mujoco.get_mju_user_warning() is None:
-            # Else MuJoCo writes a log file into the user's folder when a simulation diverges.
-            mujoco.set_mju_user_warning(_ignore)
+        write_no_log()
         self._mujoco: Any = mujoco
         self._world, self._options = world, options
         self.model = build_model(world, options)
         self.data: Any = mujoco.MjData(self.model)
         self._steps = 0
+        self._elliptic = options.friction_cone == "elliptic"
         self._map_joints()
         self._map_geoms()
 
@@ -107,30 +106,41 @@ class MuJoCoSimulator:
         pivot, unwanted = np.zeros(3), set()
         tip = (centre + rotation @ self._world.pivot_in_tool).tolist()
         reach = self._world.tip_radius + _TIP_SLACK_M
-        contacts, solved = self.data.contact, self.data.efc_force
+        contacts = self.data.contact
         rows = zip(contacts.geom.tolist(), contacts.efc_address.tolist(), strict=True)
         for k, ((one, other), row) in enumerate(rows):
-            if row < 0 or solved[row] <= 0.0:
+            solved = self._solved(k, row)
+            if solved[0] <= 0.0:
                 continue
             sign, partner = (1.0, one) if other in self._tool_geoms else (-1.0, other)
             if sign < 0.0 and one not in self._tool_geoms:
                 unwanted.add(self._pair(one, other))
                 continue
             frame = contacts.frame[k].reshape(3, 3)
-            force = sign * (solved[row : row + 3] @ frame)
+            force = sign * (solved @ frame)
             # from between the surfaces to the tool's
             place = contacts.pos[k] + 0.5 * sign * contacts.dist[k] * frame[0]
             finger = self._tip_fingers.get(partner)
             if finger is not None:
                 forces[finger] += force
-                points[finger] += solved[row] * place
-                weights[finger] += solved[row]
+                points[finger] += solved[0] * place
+                weights[finger] += solved[0]
             elif partner == self._table and dist(place.tolist(), tip) <= reach:
                 pivot += force
             else:
                 unwanted.add(self._pair(one, other))
         touched = {name: points[name] / weight for name, weight in weights.items() if weight > 0.0}
         return forces, touched, pivot, tuple(sorted(unwanted))
+
+    def _solved(self, contact: int, row: int) -> Array:
+        """(3,) force of a contact in its frame, the normal first; 0 where it is not active."""
+        if row < 0:
+            return np.zeros(3)
+        if self._elliptic:
+            return np.asarray(self.data.efc_force[row : row + 3])
+        force = np.zeros(6)
+        self._mujoco.mj_contactForce(self.model, self.data, contact, force)
+        return force[:3]
 
     def _pair(self, one: int, other: int) -> str:
         return " - ".join(sorted((self._geom_names[one], self._geom_names[other])))
@@ -167,7 +177,3 @@ class MuJoCoSimulator:
         self._tip_fingers = {k: tips[name] for k, name in enumerate(names) if name in tips}
         named = {self._table: TABLE, **dict.fromkeys(self._tool_geoms, "tool")}
         self._geom_names = [named.get(geom, name) for geom, name in enumerate(names)]
-
-
-def _ignore(_: str) -> None:
-    """What MuJoCo warns of shows in the state, which the run watches."""

@@ -19,6 +19,9 @@ _SLASH = "/"
 _IMPEDANCE_RATIO = 1e4
 """Of friction to normal. MuJoCo's friction creeps at F / (ratio (B + h K)) under a force F: 2 um/s
 at 2 N on contacts of 20 kN/m; a ratio of 10 lets the tool's tip creep away during the lift."""
+_PYRAMIDAL_IMPEDANCE_RATIO = 100.0
+"""The same of pyramidal cones, whose normal softness MuJoCo divides by it, too: with 1e4 contacts
+are so stiff that the tool is thrown during the lift, with 10 the fingertips creep."""
 _TOLERANCE = 1e-12
 
 
@@ -54,8 +57,10 @@ def _set_engine(spec: Any, world: World, options: SimulatorOptions) -> None:
     option.timestep = options.step_s
     option.gravity = world.gravity
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    option.impratio = _IMPEDANCE_RATIO
+    cones = mujoco.mjtCone
+    elliptic = options.friction_cone == "elliptic"
+    option.cone = cones.mjCONE_ELLIPTIC if elliptic else cones.mjCONE_PYRAMIDAL
+    option.impratio = _IMPEDANCE_RATIO if elliptic else _PYRAMIDAL_IMPEDANCE_RATIO
     # The sparse Newton solver of 4.0.0 may use a wrong Hessian (issue #3767, mended in 4.0.1).
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     option.iterations = options.solver_iterations
@@ -68,7 +73,7 @@ def _attach(spec: Any, urdf: str, prefix: str) -> str:
     """Add the bodies of a URDF text; returns the name of its root."""
     import mujoco
 
-    child = mujoco.MjSpec.from_string(_slashed(undamped(urdf)))
+    child = mujoco.MjSpec.from_string(slashed(undamped(urdf)))
     child.compiler.fusestatic = False
     root = child.worldbody.first_body().name
     name = prefix.removesuffix(_SLASH)
@@ -76,7 +81,7 @@ def _attach(spec: Any, urdf: str, prefix: str) -> str:
     return f"{name}{root}"
 
 
-def _slashed(urdf: str) -> str:
+def slashed(urdf: str) -> str:
     """URDF text with a slash before every link's and joint's name.
 
     MuJoCo takes a link called ``world``, wherever it is, for the world itself.
@@ -140,3 +145,15 @@ def _set_joints(model: Any, world: World, options: SimulatorOptions) -> None:
         dof = model.joint(f"{ROBOT}{name}").dofadr[0]
         model.dof_frictionloss[dof] = friction
         model.dof_solref[dof], model.dof_solimp[dof, :3] = hard.solref, (0.9999, 0.9999, 1e-3)
+
+
+def write_no_log() -> None:
+    """Keep MuJoCo from writing its warnings to a file in the user's folder."""
+    import mujoco
+
+    if mujoco.get_mju_user_warning() is None:
+        mujoco.set_mju_user_warning(_ignore)
+
+
+def _ignore(_: str) -> None:
+    """What MuJoCo warns of shows in the state, which the run watches."""

@@ -44,6 +44,10 @@ class Planned(FrozenArrays):
     free: Array
     height: Array
 
+    def every(self, step: int) -> Planned:
+        """Each ``step``-th instant."""
+        return Planned(**{name: values[::step] for name, values in vars(self).items()})
+
     @property
     def rotation(self) -> Rotation:
         """The N orientations."""
@@ -125,8 +129,13 @@ class _Columns:
             self.free[rows, k] = 0.0
 
     def settle(self, last: Phase, after: NDArray[np.bool_], fingers: tuple[str, ...]) -> None:
-        """In the final hold a finger that came holds; one that left is free."""
+        """In the final hold a finger that came holds; one that left is free.
+
+        One that was relocated stands at its contact without force: touching or not, both are fine.
+        """
         for k, name in enumerate(fingers):
+            if last.kind == "relocation" and name == last.finger:
+                self.free[after, k] = 0.0
             if name in last.contacts and _changes(last, name):
                 stays = np.any(self.force[after, k] != 0.0, axis=1)
                 self.loads[after, k], self.holds[after, k] = 0.0, stays

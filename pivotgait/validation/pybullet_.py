@@ -99,10 +99,11 @@ class PyBulletSimulator:
         principal = np.reshape(bullet.getMatrixFromQuaternion(turn), (3, 3))
         centre, rotation = np.array(position), principal @ self._principal_in_tool.T
         forces, points, pivot, unwanted = self._contacts(centre, rotation)
+        positions, velocities, *_ = zip(*joints, strict=True)
         return SimulatorState(
             time=self._steps * self._options.step_s,
-            q=np.array([each[0] for each in joints]),
-            v=np.array([each[1] for each in joints]),
+            q=np.array(positions),
+            v=np.array(velocities),
             tool_position=centre,
             tool_rotation=rotation,
             tool_linear_velocity=np.array(linear),
@@ -124,27 +125,30 @@ class PyBulletSimulator:
         pivot, unwanted = [0.0] * 7, set()
         tip = (centre + rotation @ self._world.pivot_in_tool).tolist()
         reach = self._world.tip_radius + _TIP_SLACK_M
+        tool, table, robot, fingers = self.tool, self.table, self.robot, self._tip_fingers
         # Unfiltered: a filter may flip the normal but not the friction.
         for point in self._bullet.getContactPoints(physicsClientId=self.client):
             if point[9] <= 0.0:
                 continue
-            if point[1] == self.tool:
+            if point[1] == tool:
                 body, link, place, sign = point[2], point[4], point[5], 1.0
-            elif point[2] == self.tool:
+            elif point[2] == tool:
                 body, link, place, sign = point[1], point[3], point[6], -1.0
             else:
                 unwanted.add(self._pair(point))
                 continue
-            finger = self._tip_fingers.get(link) if body == self.robot else None
+            finger = fingers.get(link) if body == robot else None
             if finger is not None:
                 _add(sums[finger], point, place, sign)
-            elif body == self.table and dist(place, tip) <= reach:
+            elif body == table and dist(place, tip) <= reach:
                 _add(pivot, point, place, sign)
             else:
                 unwanted.add(self._pair(point))
         forces = {name: np.array(each[:3]) for name, each in sums.items()}
         points = {
-            name: np.array(each[3:6]) / each[6] for name, each in sums.items() if each[6] > 0.0
+            name: np.array([w / each[6] for w in each[3:6]])
+            for name, each in sums.items()
+            if each[6] > 0.0
         }
         return forces, points, np.array(pivot[:3]), tuple(sorted(unwanted))
 
@@ -175,6 +179,7 @@ class PyBulletSimulator:
             fixedTimeStep=options.step_s,
             numSolverIterations=options.solver_iterations,
             numSubSteps=0,
+            enableConeFriction=int(options.friction_cone == "elliptic"),
             deterministicOverlappingPairs=1,
             physicsClientId=self.client,
         )
@@ -290,9 +295,13 @@ def _add(total: list[float], point: Any, place: Any, sign: float) -> None:
 
     Bullet tells the force on its body A: normal [7] times [9] and two directions of friction.
     """
-    normal, one, two = point[7], point[11], point[13]
+    x, y, z = place
     along, first, second = point[9], point[10], point[12]
-    for k in range(3):
-        total[k] += sign * (along * normal[k] + first * one[k] + second * two[k])
-        total[3 + k] += along * place[k]
+    (nx, ny, nz), (ox, oy, oz), (tx, ty, tz) = point[7], point[11], point[13]
+    total[0] += sign * (along * nx + first * ox + second * tx)
+    total[1] += sign * (along * ny + first * oy + second * ty)
+    total[2] += sign * (along * nz + first * oz + second * tz)
+    total[3] += along * x
+    total[4] += along * y
+    total[5] += along * z
     total[6] += along

@@ -48,6 +48,20 @@ class RecordedMotion(FrozenArrays):
     orientation_error: Array
     torque_share: Array
 
+    @classmethod
+    def of(cls, plan: GaitPlan, robot: Robot, series: RunSeries) -> RecordedMotion:
+        """What follows from the rows of a run of ``plan`` with its robot."""
+        planned = planned_at(plan, series.time, series.fingers)
+        limit = np.where(robot.effort_max > 0.0, robot.effort_max, np.inf)
+        return cls(
+            series=series,
+            planned=planned,
+            tip_slip=tip_slip(series),
+            fingertip_slips=MappingProxyType(fingertip_slips(robot, series, planned)),
+            orientation_error=orientation_errors(series, planned),
+            torque_share=series.tau / limit,
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class RecordedRun:
@@ -117,16 +131,7 @@ def _motion(group: Any, plan: GaitPlan) -> RecordedMotion | None:
     series = _series(group, plan, robot)
     if series.time[-1] < plan.phases[0].time[1]:
         return None
-    planned = planned_at(plan, series.time, series.fingers)
-    limit = np.where(robot.effort_max > 0.0, robot.effort_max, np.inf)
-    return RecordedMotion(
-        series=series,
-        planned=planned,
-        tip_slip=tip_slip(series),
-        fingertip_slips=MappingProxyType(fingertip_slips(robot, series, planned)),
-        orientation_error=orientation_errors(series, planned),
-        torque_share=series.tau / limit,
-    )
+    return RecordedMotion.of(plan, robot, series)
 
 
 def _robot_of(plan: GaitPlan) -> Robot:

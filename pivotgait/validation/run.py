@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from math import dist, isfinite
 
 import numpy as np
 
@@ -126,7 +127,7 @@ def run(
         simulator.reset(start, np.zeros(robot.nv), real.position, real.rotation)
         sensors = Sensors(perturbation, tuple(robot.fingers), options.cycle_s)
         cycles = round((reference.duration + options.hold_s) / options.cycle_s)
-        tape = Tape(tuple(robot.fingers), robot.joint_names, cycles)
+        tape = Tape(tuple(robot.fingers), robot.joint_names)
         loop = _Loop(simulator, law, sensors, tape, robot.effort_max, options)
         diverged, timing = loop.turn(cycles)
     return tape.series(diverged=diverged, pivot_in_tool=real.tool.pivot_in_tool), timing
@@ -166,7 +167,8 @@ class _Loop:
         thinking = stepping = 0.0
         self.law.reset()
         state = simulator.state()
-        begin = state.tool_position
+        begin = state.tool_position.tolist()
+        least, most = -self.effort_max, self.effort_max
         for cycle in range(cycles):
             time = cycle * options.cycle_s
             measurement = self.sensors.read(time, state)
@@ -177,7 +179,7 @@ class _Loop:
             if astray:
                 return astray, Timing(thinking / (cycle + 1), stepping / (cycle + 1))
             self.tape.write(time - options.grasp_s, state, asked, measurement.force)
-            torque = np.clip(asked, -self.effort_max, self.effort_max)
+            torque = np.minimum(np.maximum(asked, least), most)
             before = clock.perf_counter()
             for _ in range(options.steps_per_cycle):
                 simulator.step(torque)
@@ -186,11 +188,12 @@ class _Loop:
         return "", Timing(thinking / max(cycles, 1), stepping / max(cycles, 1))
 
 
-def _astray(state: SimulatorState, torque: Array, start: Array) -> str:
+def _astray(state: SimulatorState, torque: Array, start: Sequence[float]) -> str:
     """Why a run cannot go on, or an empty text."""
-    if not (np.isfinite(torque).all() and np.isfinite(state.q).all()):
+    # A sum is not finite if a summand is not; for numbers, as here, it does not overflow.
+    if not isfinite(float(np.add.reduce(torque)) + float(np.add.reduce(state.q))):
         return "a torque or a joint position is not finite"
-    if not np.abs(state.v).max() < _LARGEST_SPEED:
+    if not (state.v.max() < _LARGEST_SPEED and state.v.min() > -_LARGEST_SPEED):
         return f"a joint moves faster than {_LARGEST_SPEED:g} rad/s"
-    moved = np.linalg.norm(state.tool_position - start)
+    moved = dist(state.tool_position.tolist(), start)
     return "" if moved < _LOST_M else "the tool has left the table"

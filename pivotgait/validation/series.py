@@ -48,8 +48,15 @@ class RunSeries(FrozenArrays):
 
     def every(self, step: int) -> RunSeries:
         """Each ``step``-th cycle; the times of touches stay."""
-        rows = {name: getattr(self, name)[::step] for name in (*_PER_CYCLE, "time")}
-        return replace(self, **rows)
+        return self._rows(slice(None, None, step))
+
+    def first(self, count: int) -> RunSeries:
+        """The first ``count`` cycles; the times of touches stay."""
+        return self._rows(slice(count))
+
+    def _rows(self, rows: slice) -> RunSeries:
+        kept = {name: getattr(self, name)[rows] for name in (*_PER_CYCLE, "time")}
+        return replace(self, **kept)
 
 
 _PER_CYCLE = (

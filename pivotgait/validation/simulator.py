@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Literal, Protocol, Self
 
 from pivotgait.exceptions import InputError, UnknownNameError
 from pivotgait.frozen import Array
@@ -14,6 +14,8 @@ from pivotgait.validation.world import World
 
 TABLE_TOUCH = "table - tool"
 """Name of a touch of the table with any place of the tool but its tip."""
+
+FRICTION_CONES = ("elliptic", "pyramidal")
 
 
 @dataclass(frozen=True)
@@ -25,12 +27,16 @@ class SimulatorOptions:
         contact_stiffness: of a contact point [N/m]; None for the engine's hard contacts.
         contact_damping: of a contact point [N s/m]; without effect on hard contacts.
         solver_iterations: of the contact solver.
+        friction_cone: ``elliptic`` as Coulomb's, or the four-sided ``pyramidal`` one, inscribed
+            in it (MuJoCo) or about it (PyBullet). MuJoCo's pyramidal contacts hardly give: it
+            scales the normal softness with that of the friction.
     """
 
     step_s: float = 1e-3
     contact_stiffness: float | None = 2e4
     contact_damping: float = 100.0
     solver_iterations: int = 50
+    friction_cone: Literal["elliptic", "pyramidal"] = "elliptic"
 
     def __post_init__(self) -> None:
         if not 0.0 < self.step_s <= 0.02:
@@ -40,6 +46,8 @@ class SimulatorOptions:
         if stiffness is not None and not 0.0 < stiffness < float("inf"):
             what = f"contact stiffness of {stiffness:g} N/m"
             raise InputError(what, where="simulator", mend="give a positive number or None")
+        if self.friction_cone not in FRICTION_CONES:
+            raise UnknownNameError("friction cone", self.friction_cone, FRICTION_CONES)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

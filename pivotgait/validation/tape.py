@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -13,58 +14,67 @@ from pivotgait.validation.simulator import TABLE_TOUCH, SimulatorState
 
 
 class Tape:
-    """Arrays made in advance, one row for each control cycle.
+    """One row for each control cycle. Keeps the arrays it is given: their owners make new ones."""
 
-    Attributes:
-        count: rows written.
-    """
-
-    def __init__(self, fingers: tuple[str, ...], joint_names: tuple[str, ...], cycles: int) -> None:
-        """An empty tape of ``cycles`` rows."""
-        self.count = 0
+    def __init__(self, fingers: tuple[str, ...], joint_names: tuple[str, ...]) -> None:
+        """An empty tape."""
         self._fingers, self._joint_names = fingers, joint_names
-        joints = len(joint_names)
-        self._time = np.zeros(cycles)
-        self._q, self._v, self._tau = (np.zeros((cycles, joints)) for _ in range(3))
-        self._position, self._pivot_force = np.zeros((cycles, 3)), np.zeros((cycles, 3))
-        self._rotation = np.zeros((cycles, 3, 3))
-        self._force, self._reading = (np.zeros((cycles, len(fingers), 3)) for _ in range(2))
-        self._touches: dict[str, list[float]] = {}
+        self._time: list[float] = []
+        self._states: list[SimulatorState] = []
+        self._tau: list[Array] = []
+        self._readings: list[Mapping[str, Array]] = []
+
+    @property
+    def count(self) -> int:
+        """Rows written."""
+        return len(self._time)
 
     def write(
         self, time: float, state: SimulatorState, torque: Array, reading: Mapping[str, Array]
     ) -> None:
         """Add a cycle: the state at its start and what was read and asked for then."""
-        row = self.count
-        self._time[row] = time
-        self._q[row], self._v[row], self._tau[row] = state.q, state.v, torque
-        self._position[row], self._rotation[row] = state.tool_position, state.tool_rotation
-        self._pivot_force[row] = state.pivot_force
-        for place, name in enumerate(self._fingers):
-            self._force[row, place] = state.finger_force[name]
-            self._reading[row, place] = reading[name]
-        for pair in state.unwanted:
-            self._touches.setdefault(pair, []).append(time)
-        self.count += 1
+        self._time.append(time)
+        self._states.append(state)
+        self._tau.append(torque)
+        self._readings.append(reading)
 
     def series(self, *, diverged: str, pivot_in_tool: Array) -> RunSeries:
         """The cycles written so far."""
-        rows = slice(0, self.count)
-        touches = {name: np.array(times) for name, times in sorted(self._touches.items())}
+        states, joints = self._states, len(self._joint_names)
+        rotation = _rows([each.tool_rotation for each in states], (3, 3))
+        touches = self._touches()
         return RunSeries(
             fingers=self._fingers,
             joint_names=self._joint_names,
-            time=self._time[rows],
-            q=self._q[rows],
-            v=self._v[rows],
-            tau=self._tau[rows],
-            tool_position=self._position[rows],
-            tool_orientation=Rotation.from_matrix(self._rotation[rows]).as_quat(canonical=True),
-            force=self._force[rows],
-            reading=self._reading[rows],
-            pivot_force=self._pivot_force[rows],
+            time=np.array(self._time),
+            q=_rows([each.q for each in states], (joints,)),
+            v=_rows([each.v for each in states], (joints,)),
+            tau=_rows(self._tau, (joints,)),
+            tool_position=_rows([each.tool_position for each in states], (3,)),
+            tool_orientation=Rotation.from_matrix(rotation).as_quat(canonical=True),
+            force=self._by_finger([each.finger_force for each in states]),
+            reading=self._by_finger(self._readings),
+            pivot_force=_rows([each.pivot_force for each in states], (3,)),
             touching_table=touches.pop(TABLE_TOUCH, np.zeros(0)),
             touches=touches,
             diverged=diverged,
             pivot_in_tool=pivot_in_tool,
         )
+
+    def _by_finger(self, forces: Sequence[Mapping[str, Array]]) -> Array:
+        """(N, fingers, 3)."""
+        rows = [[each[name] for name in self._fingers] for each in forces]
+        return _rows(rows, (len(self._fingers), 3))
+
+    def _touches(self) -> dict[str, Array]:
+        """Times [s] by the names of what touches, sorted."""
+        found: dict[str, list[float]] = {}
+        for time, state in zip(self._time, self._states, strict=True):
+            for pair in state.unwanted:
+                found.setdefault(pair, []).append(time)
+        return {pair: np.array(found[pair]) for pair in sorted(found)}
+
+
+def _rows(values: Sequence[Any], shape: tuple[int, ...]) -> Array:
+    """(N, *shape), also of none."""
+    return np.array(values, dtype=float).reshape(-1, *shape)

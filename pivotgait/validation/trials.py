@@ -15,7 +15,7 @@ from pivotgait.validation.controllers import check_controller
 from pivotgait.validation.moved_scene import gait_of, scene_of
 from pivotgait.validation.processes import run_jobs
 from pivotgait.validation.simulator import check_simulator
-from pivotgait.validation.trial import TrialOptions, TrialResult, run_trial
+from pivotgait.validation.trial import TrialOptions, TrialResult, carried_out, run_trial
 from pivotgait.validation.verdict import Verdict, stage_names
 from pivotgait.validation.wilson import wilson_interval
 
@@ -71,6 +71,7 @@ class TrialSet:
             "simulator": self.options.run.simulator,
             "controller": self.options.run.controller,
             "perturbed": self.options.perturbed,
+            "pivoting": self.options.pivoting,
             "trials": trials,
             "passed": self.passed,
             "rate": self.passed / trials if trials else 0.0,
@@ -129,7 +130,8 @@ def run_trials(
         if progress:
             progress(result)
     results = tuple(found[place] for place in range(len(seeds)))
-    return TrialSet(options, stages_of(plan, results), results)
+    stages = stages_of(carried_out(plan, scene, options), results)
+    return TrialSet(options, stages, results)
 
 
 def stages_of(plan: GaitPlan, results: Sequence[TrialResult]) -> tuple[Stage, ...]:

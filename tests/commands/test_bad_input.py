@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,10 +22,10 @@ SCENES = {
     "no_number": KNIFE.replace("friction: 0.4", "friction: slippery"),
     "nan": KNIFE.replace("friction: 0.4", "friction: .nan"),
     "negative": KNIFE.replace("friction: 0.4", "friction: -0.4"),
-    "bounds": KNIFE.replace("{min: 0.02, max: 6.0}", "{min: 7, max: 6.0}"),
+    "bounds": re.sub(r"min: [\d.]+, max: 6.0", "min: 7, max: 6.0", KNIFE),
     "no_tool": KNIFE.replace("urdf: chef_knife", "urdf: chef_knive"),
     "outside": KNIFE.replace("urdf: chef_knife", "urdf: ../../../tool.urdf"),
-    "off_handle": KNIFE.replace("along_m: 0.062", "along_m: 9.0"),
+    "off_handle": re.sub(r"(middle_flat:.*along_m: )[\d.]+", r"\g<1>9.0", KNIFE),
     "no_contact": KNIFE.replace("contact: middle_flat", "contact: middle_falt"),
     "too_low": KNIFE.replace("pitch_deg: 25", "pitch_deg: 1"),
     "schema": KNIFE.replace("pivotgait-scene/1", "pivotgait-scene/9"),

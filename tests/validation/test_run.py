@@ -148,12 +148,3 @@ def test_the_world_is_the_plans(plan: GaitPlan) -> None:
     assert world.tip_radius == 0.001
     with pytest.raises(PlanFileError, match="no motion of a robot"):
         World.of(replace(plan, robot=None))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("step", [1e-3, 2.5e-4])
-def test_the_whole_gait_succeeds(plan: GaitPlan, scene: Scene, step: float) -> None:
-    options = RunOptions(engine=SimulatorOptions(step_s=step))
-    series, _ = run(plan, scene, Perturbation.none(scene.robot), options)
-    found = judge(plan, scene.robot, series, planned_at(plan, series.time, series.fingers))
-    assert found.passed, found

@@ -167,6 +167,25 @@ def test_a_free_finger_must_not_touch(plan: GaitPlan, scene: Scene, faithful: Ru
     assert (found.failure, found.stage) == ("collision", "00_lift")
 
 
+@pytest.mark.parametrize("touches", [True, False])
+def test_a_gait_may_end_with_a_relocation(
+    plan: GaitPlan, scene: Scene, faithful: RunSeries, touches: bool
+) -> None:
+    """The finger stands at its contact then, where it may touch or nearly so."""
+    phases = plan.phases[:2]
+    assert phases[-1].kind == "relocation"
+    short, end = replace(plan, phases=phases), sum(each.duration_s for each in phases)
+    series = faithful.first(int(np.searchsorted(faithful.time, end + 1.0)))
+    force = series.force.copy()
+    finger = series.fingers.index(phases[-1].finger)
+    force[:, finger] = 0.0
+    force[series.time > end, finger] = 0.05 * touches
+    pressing = replace(series, force=force)
+    assert verdict(short, scene, pressing).passed
+    force[np.abs(series.time - end + 0.35) < 0.01, finger] = 0.05
+    assert verdict(short, scene, replace(series, force=force)).failure == "collision"
+
+
 def test_the_first_failure_counts(plan: GaitPlan, scene: Scene, faithful: RunSeries) -> None:
     series = replace(
         faithful, touches={"palm - tool": np.array([2.0])}, diverged="a joint is not finite"
