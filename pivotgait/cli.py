@@ -117,6 +117,81 @@ def validate(
 
 
 @app.command()
+def baselines(
+    plan: Annotated[Path, typer.Argument(help="Plan file, with the motion of a robot.")],
+    simulator: Annotated[str, typer.Option(help="pybullet or mujoco.")] = "pybullet",
+    trials: Annotated[
+        int, typer.Option(min=1, max=100_000, help="Number of trials; one is nominal.")
+    ] = 1,
+    seed: Seed = 0,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=1024, help="Processes at a time; else all cores.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="JSON file to write.")
+    ] = None,
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Try a plan with the same seeds under every control law, and without pivoting.
+
+    Example: `pivotgait baselines knife.h5 --trials 100 -o baselines.json`
+    """
+    from pivotgait.commands.baselines import run_baselines_command
+    from pivotgait.commands.output import Output
+
+    return run_baselines_command(
+        plan, simulator, trials, seed, output, Output(json), workers=workers
+    )
+
+
+@app.command()
+def compare(
+    plan: Annotated[Path, typer.Argument(help="Plan file, with the motion of a robot.")],
+    trials: Annotated[
+        int,
+        typer.Option(min=0, max=100_000, help="Perturbed trials in each after the nominal run."),
+    ] = 0,
+    seed: Seed = 0,
+    controller: Annotated[
+        str, typer.Option(help="hybrid, admittance, position or feedforward.")
+    ] = "hybrid",
+    causes: Annotated[
+        bool | None,
+        typer.Option(
+            "--causes/--no-causes",
+            help="Repeat with step, contacts and friction changed; else: if they do not agree.",
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=1024, help="Processes at a time; else all cores.")
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Folder for records and figure; a report's shows it."),
+    ] = None,
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Carry a plan out in PyBullet and MuJoCo and tell how far the two agree.
+
+    Example: `pivotgait compare reports/out/knife/plan.h5 --trials 100 -o reports/out/knife`
+    """
+    from pivotgait.commands.comparing import run_compare
+    from pivotgait.commands.output import Output
+    from pivotgait.validation import CompareOptions, RunOptions
+
+    options = CompareOptions(
+        run=RunOptions(controller=controller),
+        trials=trials,
+        seed=seed,
+        causes=causes,
+        workers=workers,
+    )
+    return run_compare(plan, options, output, Output(json))
+
+
+@app.command()
 def run(
     scene: SceneArgument,
     out: Annotated[Path, typer.Option("--out", help="Folder for plan, figures and report.")],
@@ -219,6 +294,32 @@ def feasibility(
         bool, typer.Option("--hand/--no-hand", help="Plan the arm-hand too; keep its torques.")
     ] = False,
     mends: Annotated[int, typer.Option(min=0, max=20, help="Most mends to look for.")] = 3,
+    maps: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--map",
+            metavar="PATH=LO:HI",
+            help="A map in place of one verdict, over two parameters; a third gives slices, "
+            "`removed=FINGER,FINGER` those without each finger.",
+        ),
+    ] = None,
+    phase: Annotated[
+        str | None,
+        typer.Option(help="Of a map: after which phase; else the gait's first removal or lift."),
+    ] = None,
+    quantity: Annotated[str, typer.Option(help="Of a map: depth, margin or turn.")] = "depth",
+    tolerance: Annotated[
+        float | None, typer.Option(help="Of a map's border, share of an axis; else 1/128.")
+    ] = None,
+    spread: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PATH=SD",
+            help="Of a map: draw a parameter, and show the share of draws that hold, too.",
+        ),
+    ] = None,
+    draws: Annotated[int, typer.Option(min=1, max=100_000, help="Of --spread, a point.")] = 64,
+    out: Annotated[Path | None, typer.Option("--out", help="Folder for the map.")] = None,
     seed: Seed = 0,
     json: Json = False,
     debug: Debug = False,
@@ -228,23 +329,39 @@ def feasibility(
     Examples: `pivotgait feasibility knife`,
     `pivotgait feasibility knife --set 'contacts.*.friction=0.3'`,
     `pivotgait feasibility knife --set tool.mass_scale=4 --json`,
-    `pivotgait feasibility knife --turn-max 0`
+    `pivotgait feasibility knife --turn-max 0`,
+    `pivotgait feasibility knife --map contacts.*.friction=0.2:1.2 --map tool.pitch_deg=10:50`
     """
     from pivotgait.commands.feasibility import run_feasibility
     from pivotgait.commands.output import Output
     from pivotgait.feasibility import VerdictOptions
 
+    if maps:
+        from pivotgait.commands.mapping import MapRequest, run_maps
+
+        request = MapRequest(
+            tuple(maps),
+            gait,
+            phase,
+            quantity,
+            turn_max,
+            tolerance,
+            tuple(spread or ()),
+            draws,
+            seed,
+        )
+        return run_maps(scene, changes or [], request, out, Output(json))
     options = VerdictOptions(gait, turn_max, hand, mends, seed=seed)
     return run_feasibility(scene, changes or [], options, Output(json))
 
 
 @app.command()
 def report(
-    folder: Annotated[Path, typer.Argument(help="Folder with a plan.h5.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of a run or of a sweep.")],
     json: Json = False,
     debug: Debug = False,
 ) -> int:
-    """Draw the figures of a folder's plan and write its report.html.
+    """Draw the figures of a folder's plan or sweep and write its report.html (and report.pdf).
 
     Example: `pivotgait report reports/out/knife`
     """

@@ -31,6 +31,7 @@ LAYERS = (
     "certification",
     "control",
     "validation",
+    "pytest_plugin",
     "feasibility",
     "sweeps",
     "plotting",

@@ -1,7 +1,9 @@
 """Results in, matplotlib Figures out: nothing is planned or solved here."""
 
 from pivotgait.plotting.angle import angle_to_normal
+from pivotgait.plotting.comparison import comparison
 from pivotgait.plotting.cone import force_in_cone
+from pivotgait.plotting.feasibility_maps import feasibility_maps
 from pivotgait.plotting.forces import normal_forces
 from pivotgait.plotting.joints import joint_positions, joint_speeds, joint_torques
 from pivotgait.plotting.margins import margins
@@ -23,7 +25,9 @@ __all__ = [
     "PAGE_WIDTH",
     "SavedFigure",
     "angle_to_normal",
+    "comparison",
     "contact_colours",
+    "feasibility_maps",
     "figure_bytes",
     "force_in_cone",
     "gait_strip",

@@ -8,11 +8,14 @@ from pathlib import Path
 
 from pivotgait.exceptions import InputError
 from pivotgait.plans import GaitPlan, read_plan
+from pivotgait.reporting.comparison import engine_comparison
+from pivotgait.reporting.comparison_figure import draw_comparison
 from pivotgait.reporting.figures import draw_figures
 from pivotgait.reporting.page import write_report
 from pivotgait.reporting.run_figures import draw_run_figures
 from pivotgait.reporting.summary import Trials, read_summary, trials_of
 from pivotgait.validation import read_summary as read_record_summary
+from pivotgait.validation.comparison_files import FOUND, RecordedComparison, read_comparison
 from pivotgait.validation.record_reading import RecordedRun, read_run
 
 VIEW, RUN_VIEW = "view.html", "run_view.html"
@@ -21,7 +24,7 @@ RECORD, TRIALS = "record.h5", "trials.h5"
 """Records of the nominal run and of perturbed trials, likewise."""
 _OURS = re.compile(
     r"hero|overview|robot_scene|joint_(positions|speeds|torques)|\d\d_\w+_(snapshots|angles|cone)|"
-    r"run_(strip|normal_forces|angles|deviations|torques)"
+    r"run_(strip|normal_forces|angles|deviations|torques)|comparison"
 )
 """Names of the figures that a report may hold."""
 
@@ -33,7 +36,8 @@ def report_from_folder(folder: Path) -> Path:
     ``summary.json``, if there is one, is what ``pivotgait plan --json`` printed (its planning
     times are shown), with the records of ``pivotgait validate --json`` under ``validations``.
     ``record.h5`` is the plan's nominal run and ``trials.h5`` are perturbed trials, as
-    ``pivotgait validate -o`` writes them. Animated scenes in the folder are linked.
+    ``pivotgait validate -o`` writes them; ``comparison.json`` with its records is what
+    ``pivotgait compare -o`` writes. Animated scenes in the folder are linked.
 
     Returns:
         Path of the page.
@@ -46,10 +50,14 @@ def report_from_folder(folder: Path) -> Path:
     plan = read_plan(folder / "plan.h5")
     summary = read_summary(folder / "summary.json")
     run, trials = _run(folder, plan), _trials(folder, plan)
+    compared = _compared(folder, plan)
+    engines = engine_comparison(compared.found, where=FOUND) if compared else None
     try:
         figures = draw_figures(plan, folder / "figures")
         if run:
             figures |= draw_run_figures(plan, run, folder / "figures")
+        if compared:
+            figures |= draw_comparison(plan, compared, folder / "figures")
         _remove_others(folder / "figures", figures)
     except OSError as error:
         raise InputError(
@@ -64,6 +72,7 @@ def report_from_folder(folder: Path) -> Path:
         notes=summary.notes,
         run=run,
         validations=(*trials, *summary.validations),
+        engines=engines,
         view=VIEW if (folder / VIEW).is_file() else "",
         run_view=RUN_VIEW if run and (folder / RUN_VIEW).is_file() else "",
     )
@@ -72,6 +81,10 @@ def report_from_folder(folder: Path) -> Path:
 def _run(folder: Path, plan: GaitPlan) -> RecordedRun | None:
     path = folder / RECORD
     return read_run(path, plan) if path.exists() else None
+
+
+def _compared(folder: Path, plan: GaitPlan) -> RecordedComparison | None:
+    return read_comparison(folder, plan) if (folder / FOUND).exists() else None
 
 
 def _trials(folder: Path, plan: GaitPlan) -> tuple[Trials, ...]:

@@ -75,6 +75,7 @@ class Trials(BaseModel):
 
     simulator: str
     controller: str
+    pivoting: bool = True
     trials: int
     passed: int
     rate: FiniteFloat | None = None

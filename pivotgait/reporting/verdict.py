@@ -57,7 +57,12 @@ def run_sentence(run: RecordedRun) -> str:
 
 def simulator_name(run: RecordedRun) -> str:
     """The simulator as its makers write it."""
-    return _SIMULATORS.get(run.simulator, run.simulator)
+    return engine_name(run.simulator)
+
+
+def engine_name(simulator: str) -> str:
+    """A simulator's name as its makers write it."""
+    return _SIMULATORS.get(simulator, simulator)
 
 
 def _certified(certificate: Mapping[str, Any] | None) -> Verdict:
