@@ -51,8 +51,8 @@ class PostureWeights:
     idle_wish: float = 6e-3
     limit: float = 0.03
     limit_margin: float = 0.05
-    coupling: float = 0.2
-    coupling_margin: float = 0.04
+    coupling: float = 0.05
+    coupling_margin: float = 0.08
     dexterity: float = 5e-4
     dexterity_wish: float = 3e-3
     home: float = 50.0

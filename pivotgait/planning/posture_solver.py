@@ -8,6 +8,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from pivotgait.frozen import Array, FrozenArrays
+from pivotgait.models import Robot
 from pivotgait.planning.posture_residuals import NormalEquations, PostureResiduals
 
 _LARGEST_STEP = 0.5  # [rad] or [m]: linearised tips are wrong beyond
@@ -34,15 +35,18 @@ def fit_postures(
 ) -> PostureFit:
     """Descend from ``start`` (K, nv) until a step gains less than ``tolerance`` of the cost.
 
-    Steps solve (J^T J + damping diag(J^T J)) dx = -J^T r; start and steps are cut at the joint
-    limits.
+    Steps solve (J^T J + damping diag(J^T J)) dx = -J^T r over the joints that are free to move:
+    one that lies on a limit and would only be pushed against it stands still (projected
+    Levenberg-Marquardt: Kanzow, Yamashita, Fukushima, J. Comput. Appl. Math. 172, 2004). What a
+    step would take beyond a limit is cut, as the start is.
     """
     robot = residuals.robot
     postures, damping = np.clip(start, robot.lower, robot.upper), 1e-2
     model, accepted, gain = residuals.normal_equations(postures), 0, np.inf
     while accepted < iterations and (gain >= tolerance or accepted < _LEAST_STEPS):
+        held = _held(robot, postures, model.gradient)
         for _ in range(12):
-            step = _damped_step(model, damping, robot.nv).reshape(postures.shape)
+            step = _damped_step(model, damping, robot.nv, held).reshape(postures.shape)
             step *= min(1.0, _LARGEST_STEP / max(float(np.abs(step).max()), 1e-12))
             trial = np.clip(postures + step, robot.lower, robot.upper)
             there = residuals.normal_equations(trial)
@@ -57,14 +61,24 @@ def fit_postures(
     return PostureFit(postures, model.cost, accepted)
 
 
-def _damped_step(model: NormalEquations, damping: float, nv: int) -> Array:
-    """Solve (J^T J + damping diag(J^T J)) dx = -J^T r, a band of two blocks."""
-    size = len(model.gradient)
+def _held(robot: Robot, postures: Array, gradient: Array) -> Array:
+    """Which joints (K nv,) lie on a limit that the descent would push them beyond."""
+    slope = gradient.reshape(postures.shape)
+    low, high = postures <= robot.lower, postures >= robot.upper
+    return np.ravel((low & (slope > 0.0)) | (high & (slope < 0.0)))
+
+
+def _damped_step(model: NormalEquations, damping: float, nv: int, held: Array) -> Array:
+    """Solve (J^T J + damping diag(J^T J)) dx = -J^T r, a band of two blocks; 0 where held."""
+    size, free = len(model.gradient), ~held
     band = min(2 * nv, size) - 1
     lower = np.zeros((band + 1, size))
     for offset in range(band + 1):
-        lower[offset, : size - offset] = np.diagonal(model.normal, -offset)
-    lower[0] += damping * (lower[0] + 1e-6)
-    _, step, info = lapack.dpbsv(lower, -model.gradient, lower=1, overwrite_ab=1)
+        both = free[offset:] & free[: size - offset]
+        lower[offset, : size - offset] = np.diagonal(model.normal, -offset) * both
+    lower[0] += damping * (lower[0] + 1e-6) + held
+    _, step, info = lapack.dpbsv(
+        lower, np.where(held, 0.0, -model.gradient), lower=1, overwrite_ab=1
+    )
     # Not positive definite to rounding: no step, so that the caller damps more.
     return step if info == 0 else np.zeros(size)

@@ -15,6 +15,7 @@ from pivotgait.kinematics import TaskJacobian, choose_palm_rows
 from pivotgait.planning.collision import CollisionWorld
 from pivotgait.planning.key_posture import held_on
 from pivotgait.planning.posture_chain import PostureChain, Postures, Refused
+from pivotgait.planning.posture_residuals import PostureResiduals
 from pivotgait.planning.posture_search import PostureOptions, PostureSearch
 from tests.planning.knife_keys import SINGULAR_VALUE_MIN, keys, robot, scene, world
 
@@ -164,7 +165,9 @@ def test_a_chain_settles_where_it_is() -> None:
     chain = PostureChain(robot(), world(), keys(), SINGULAR_VALUE_MIN)
     settled = chain.settle(found(0).q, 30)
     assert isinstance(settled, Postures)
-    assert settled.cost <= found(0).cost * (1.0 + 1e-3)
+    # closing the chain exactly moved it a little off the fit's end; Coal's last digits vary
+    start = PostureResiduals(robot(), keys(), world()).normal_equations(found(0).q).cost
+    assert settled.cost <= start * (1.0 + 1e-6)
     # five joints per finger and eleven more: the rest may drift towards comfort
     assert np.abs(settled.q - found(0).q).max() < 0.2
 

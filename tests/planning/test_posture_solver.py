@@ -26,17 +26,13 @@ def test_cost_falls_with_every_step_within_limits(collisions: bool, seed: int) -
         q, cost = fit.postures, fit.cost
 
 
-STALLS = pytest.mark.xfail(
-    reason="steps cut at joint limits stall at 1.4e-6 to 3e-6 of the start's gradient"
-)
-
-
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=STALLS) for seed in (1, 2, 3, 4))])
+@pytest.mark.parametrize("seed", range(5))
 def test_an_end_is_stationary(seed: int) -> None:
     """Where no limit holds a joint, the gradient has vanished against that of the start."""
     residuals = PostureResiduals(robot(), keys())
     start = robot().home + 0.1 * np.random.default_rng(seed).normal(size=(4, robot().nv))
-    end = fit_postures(residuals, start, iterations=100, tolerance=1e-12)
+    # The wish for home is weak beside the tips': its directions take hundreds of damped steps.
+    end = fit_postures(residuals, start, iterations=400, tolerance=1e-12)
     inside = ((end.postures > robot().lower) & (end.postures < robot().upper)).ravel()
     gradient = residuals.normal_equations(end.postures).gradient[inside]
     before = residuals.normal_equations(start).gradient
@@ -51,3 +47,17 @@ def test_a_start_beyond_the_limits_is_brought_back() -> None:
         fit = fit_postures(residuals, np.tile(robot().upper + 0.3, (4, 1)), iterations=iterations)
         assert fit.iterations <= iterations
         assert np.all((fit.postures >= robot().lower) & (fit.postures <= robot().upper))
+
+
+def test_joints_pushed_against_a_limit_leave_the_others_free() -> None:
+    """From a corner of the limits one step still gains as much as the free joints can."""
+    residuals = PostureResiduals(robot(), keys())
+    corner = np.tile(np.where(np.arange(robot().nv) % 2, robot().upper, robot().lower), (4, 1))
+    before = residuals.normal_equations(corner)
+    pushed = np.where(corner == robot().lower, before.gradient.reshape(corner.shape) > 0.0, False)
+    pushed |= (corner == robot().upper) & (before.gradient.reshape(corner.shape) < 0.0)
+    assert pushed.any() and not pushed.all()
+    after = fit_postures(residuals, corner, iterations=1)
+    np.testing.assert_array_equal(after.postures[pushed], corner[pushed])
+    assert np.any(after.postures[~pushed] != corner[~pushed])
+    assert after.cost < before.cost
