@@ -7,7 +7,9 @@ import pinocchio as pin
 from scipy.linalg.lapack import dgetrf, dgetrs, dposv
 
 from pivotgait.control.joint_limits import JointLimits
+from pivotgait.control.measurement import Measurement
 from pivotgait.control.phase_task import PhaseTask
+from pivotgait.control.resistance import Resistance
 from pivotgait.forces.resolution_qp import ResolutionQp
 from pivotgait.frozen import Array
 from pivotgait.models import Robot
@@ -31,7 +33,8 @@ class Resolution:
        lead back to the planned joint motion, which passes the singularity. All other directions
        keep their task.
     3. That would break a limit of a joint's position, speed or torque: the same within the limits,
-       by ProxQP.
+       by ProxQP. Limits of motion leave room for what resists it
+       (:class:`pivotgait.control.resistance.Resistance`).
 
     Attributes:
         cycles: solved by each of the three ways since ``reset``.
@@ -42,6 +45,7 @@ class Resolution:
         self._model, self._data = robot.model, data
         self.limits = JointLimits(robot)
         self._program = ResolutionQp(robot.nv, 2 * robot.nv)
+        self._resistance = Resistance(robot.nv)
         self._start = np.full(robot.nv, robot.nv**-0.5)
         self._rows = np.zeros((2 * robot.nv, robot.nv))
         self.cycles = [0, 0, 0]
@@ -49,21 +53,27 @@ class Resolution:
     def reset(self) -> None:
         """Forget warm starts and counts."""
         self._program.reset()
+        self._resistance.reset()
         self.cycles = [0, 0, 0]
 
     def torque(
-        self, task: PhaseTask, resolved: Array, posture: Array, q: Array, v: Array, load: Array
+        self,
+        task: PhaseTask,
+        resolved: Array,
+        posture: Array,
+        measurement: Measurement,
+        load: Array,
     ) -> Array:
         """(n,) torques of the resolved acceleration (eq. 17).
 
         Args:
-            task: updated at q and v.
+            task: updated at the measured q and v.
             resolved: (n,) H qddot as eqs (12) and (14) ask for.
             posture: (n,) joint accelerations that lead back to the planned joint motion.
-            q: (n,) joint positions.
-            v: (n,) joint velocities.
+            measurement: of this cycle; later than that of the cycle before.
             load: (n,) J^T f.
         """
+        time, q, v = measurement.time, measurement.q, measurement.v
         rows, columns = task.row_scale, task.column_scale
         matrix = rows[:, None] * task.matrix * columns
         wanted = rows * resolved
@@ -82,13 +92,23 @@ class Resolution:
             way = 1
         qddot = columns * x
         tau = np.asarray(pin.rnea(self._model, self._data, q, v, qddot) + load)
-        lower, upper = self.limits.acceleration_bounds(q, v)
+        lower, upper = self._motion_bounds(time, q, v)
         if _within(qddot, lower, upper) and _within(tau, -self.limits.effort, self.limits.effort):
             self.cycles[way] += 1
+            self._resistance.ask(time, v, qddot)
             return tau
         self.cycles[2] += 1
         equations = _normal_equations(matrix, wanted, posture / columns, damping * weakest)
-        return self._within_limits(equations, columns, (lower, upper), q, v, load)
+        qddot, tau = self._within_limits(equations, columns, (lower, upper), q, v, load)
+        self._resistance.ask(time, v, qddot)
+        return tau
+
+    def _motion_bounds(self, time: float, q: Array, v: Array) -> tuple[Array, Array]:
+        """(n,) least and largest accelerations to ask for, resistance overcome."""
+        self._resistance.observe(time, v)
+        resisted = self._resistance.acceleration
+        lower, upper = self.limits.acceleration_bounds(q, v)
+        return lower + np.minimum(resisted, 0.0), upper + np.maximum(resisted, 0.0)
 
     def _weakest_direction(self, factors: Array, pivots: Array) -> tuple[float, Array]:
         """Smallest singular value [m], never too small, and its direction (n,).
@@ -111,8 +131,8 @@ class Resolution:
         q: Array,
         v: Array,
         load: Array,
-    ) -> Array:
-        """Torques of the program; without an answer, of the damped one cut to their limits."""
+    ) -> tuple[Array, Array]:
+        """Accelerations and torques of the program; without an answer, of the damped one, cut."""
         hessian, right = equations
         effort, n = self.limits.effort, len(q)
         inertia = np.array(pin.crba(self._model, self._data, q))
@@ -125,7 +145,8 @@ class Resolution:
         x = self._program.solve(hessian, -right, self._rows, lower, upper)
         if x is None:
             _, x, _ = dposv(hessian, right)
-        return np.asarray(np.clip(inertia.dot(columns * x) + bias, -effort, effort))
+        qddot = columns * x
+        return qddot, np.asarray(np.clip(inertia.dot(qddot) + bias, -effort, effort))
 
 
 def _normal_equations(

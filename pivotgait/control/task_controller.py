@@ -84,7 +84,7 @@ class TaskController(ABC):
         load = (
             contact_load(task, wanted, measurement.tool_rotation) + self._joint_damping * wanted.v
         )
-        return self.resolution.torque(task, resolved, posture, q, v, load)
+        return self.resolution.torque(task, resolved, posture, measurement, load)
 
     @abstractmethod
     def resolved_normal(self, task: PhaseTask, wanted: Instant, measurement: Measurement) -> Array:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from pivotgait.control import FeedForwardController, HybridController, Measurement, Reference
 from pivotgait.control.joint_limits import HORIZON, JointLimits
+from pivotgait.control.resistance import Resistance
+from pivotgait.control.task_controller import contact_load
 from pivotgait.forces.resolution_qp import ResolutionQp
+from pivotgait.frozen import Array
 
 Read = Callable[..., Measurement]
 
@@ -42,11 +47,9 @@ def test_near_a_singular_task_the_planned_motion_remains(reference: Reference, r
     task = law.tasks[0]
     zero = np.zeros(reference.robot.nv)
     task.matrix[:] = 0.0
-    tau = law.resolution.torque(task, zero, wanted.a, reading.q, reading.v, zero)
+    tau = law.resolution.torque(task, zero, wanted.a, reading, zero)
     task.update(reading.q, reading.v, wanted)
-    regular = law.resolution.torque(
-        task, task.matrix @ wanted.a, wanted.a, reading.q, reading.v, zero
-    )
+    regular = law.resolution.torque(task, task.matrix @ wanted.a, wanted.a, reading, zero)
     np.testing.assert_allclose(tau, regular, atol=1e-8)
 
 
@@ -63,6 +66,53 @@ def test_bounds_lead_back_from_a_limit(reference: Reference) -> None:
     assert np.all(lower > 0.0)
     fast = limits.acceleration_bounds(robot.home, 2.0 * robot.velocity_max)[1]
     assert np.all(fast < 0.0)
+
+
+def test_a_joint_held_by_friction_is_pushed_past_its_speed_bound(
+    reference: Reference, read: Read
+) -> None:
+    """At rest the speed limit allows 1,000 rad/s^2; friction of 1,500 must not stop it for good."""
+    robot = reference.robot
+    middle = robot.joint_names.index("MFJ1")
+    off = np.zeros(robot.nv)
+    off[middle] = -0.15  # K_p = 1e4 / s^2 asks for 1,500 rad/s^2
+    bound, free = HybridController(reference), HybridController(reference)
+    free.resolution.limits = JointLimits(replace(robot, velocity_max=np.full(robot.nv, 1e4)))
+    readings = [read(0.3 + 1e-3 * k, off=off) for k in range(100)]
+    asked = np.array([[_push(law, each)[middle] for law in (free, bound)] for each in readings])
+    assert bound.resolution.cycles[2] > 0
+    assert asked[0, 1] < 0.8 * asked[0, 0]
+    assert asked[-1, 1] == pytest.approx(asked[-1, 0], rel=0.02)
+
+
+def _push(law: HybridController, reading: Measurement) -> Array:
+    """(n,) accelerations that the law's torques give to joints that nothing touches."""
+    robot, tau = law.reference.robot, law.torque(reading)
+    data = robot.model.createData()
+    wanted = law.reference.at(reading.time)
+    task = law.tasks[wanted.phase]
+    load = contact_load(task, wanted, reading.tool_rotation) + law._joint_damping * wanted.v
+    return np.asarray(pin.aba(robot.model, data, reading.q, reading.v, tau - load))
+
+
+def test_resistance_is_what_did_not_come() -> None:
+    resistance, v = Resistance(2), np.zeros(2)
+    for k in range(200):
+        resistance.observe(1e-3 * k, v)
+        resistance.ask(1e-3 * k, v, np.array([300.0, -40.0]))
+        v = v + 1e-3 * np.array([0.0, -40.0])  # the first is held, the second moves as asked
+    np.testing.assert_allclose(resistance.acceleration, [300.0, 0.0], rtol=1e-6, atol=1e-6)
+    resistance.reset()
+    resistance.observe(1.0, v)
+    np.testing.assert_array_equal(resistance.acceleration, 0.0)
+
+
+def test_no_time_passes_no_resistance_is_learned() -> None:
+    resistance = Resistance(1)
+    for _ in range(3):
+        resistance.observe(0.5, np.ones(1))
+        resistance.ask(0.5, np.ones(1), np.ones(1))
+    np.testing.assert_array_equal(resistance.acceleration, 0.0)
 
 
 def test_the_program_agrees_with_its_conditions() -> None:
