@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from pivotgait.frozen import Array, FrozenArrays
@@ -61,14 +62,15 @@ def fit_postures(
     return PostureFit(postures, model.cost, accepted)
 
 
-def _held(robot: Robot, postures: Array, gradient: Array) -> Array:
+def _held(robot: Robot, postures: Array, gradient: Array) -> NDArray[np.bool_]:
     """Which joints (K nv,) lie on a limit that the descent would push them beyond."""
     slope = gradient.reshape(postures.shape)
     low, high = postures <= robot.lower, postures >= robot.upper
-    return np.ravel((low & (slope > 0.0)) | (high & (slope < 0.0)))
+    held: NDArray[np.bool_] = (low & (slope > 0.0)) | (high & (slope < 0.0))
+    return held.ravel()
 
 
-def _damped_step(model: NormalEquations, damping: float, nv: int, held: Array) -> Array:
+def _damped_step(model: NormalEquations, damping: float, nv: int, held: NDArray[np.bool_]) -> Array:
     """Solve (J^T J + damping diag(J^T J)) dx = -J^T r, a band of two blocks; 0 where held."""
     size, free = len(model.gradient), ~held
     band = min(2 * nv, size) - 1
