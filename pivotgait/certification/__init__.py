@@ -15,6 +15,7 @@ from pivotgait.certification.limits import (
     LIMITS,
     ROBOT_LIMITS,
     TOOL_LIMITS,
+    TRANSFER_LIMITS,
     Limit,
     with_clearance,
 )
@@ -23,6 +24,7 @@ __all__ = [
     "LIMITS",
     "ROBOT_LIMITS",
     "TOOL_LIMITS",
+    "TRANSFER_LIMITS",
     "Certificate",
     "Limit",
     "Violation",

@@ -16,6 +16,7 @@ from pivotgait.certification.scene_limits import scene_limits
 from pivotgait.certification.seams import check_seams
 from pivotgait.certification.solid import check_tool, rigid_tool
 from pivotgait.certification.surface import check_surface
+from pivotgait.certification.transfer import check_transfer
 from pivotgait.plans import GaitPlan, check_plan, read_plan
 
 
@@ -51,6 +52,8 @@ def _findings(plan: GaitPlan, clearance: float) -> Iterator[Finding]:
     for phase in plan.phases:
         yield from check_motion(plan, phase)
         yield from check_pivot(plan, phase, rigid.tip_radius)
+        if phase.kind == "transfer":
+            yield from check_transfer(plan, phase, rigid.tip_radius)
         yield from check_sampling(phase)
         yield from check_dynamics(plan, phase)
         yield from check_cones(phase)

@@ -25,12 +25,17 @@ def check_dynamics(plan: GaitPlan, phase: Phase) -> Iterator[Finding]:
         lever = contact.point - tool.position if contact.is_pivot else rotation @ contact.point
         force = force - contact.force
         moment = moment - np.cross(lever, contact.force)
+        if contact.moment is not None:
+            moment = moment - contact.moment[:, None] * _world_normal(contact, phase)
     yield largest("force_balance_n", np.linalg.norm(force, axis=1), phase)
     yield largest("moment_balance_nm", np.linalg.norm(moment, axis=1), phase)
 
 
 def check_cones(phase: Phase) -> Iterator[Finding]:
     """Exact friction cones (5) and normal force bounds (6) of every contact and sample.
+
+    A moment m about the normal of a soft contact with the coefficient of torsional friction e
+    counts in the cone as a tangential force mu m / e (the ellipsoid of Howe and Cutkosky 1996).
 
     The finger that a removal or an addition changes may go down to 0 N: (6) would otherwise
     contradict (7) at its end and (8) at its start.
@@ -39,6 +44,7 @@ def check_cones(phase: Phase) -> Iterator[Finding]:
         normal = _world_normal(contact, phase)
         pressing = _normal_force(contact, phase)
         sliding = np.linalg.norm(contact.force - pressing[:, None] * normal, axis=1)
+        sliding = np.hypot(sliding, _spinning(contact))
         yield smallest("cone_margin_n", contact.friction * pressing - sliding, phase, name)
         lower = 0.0 if _changes(phase, name) else contact.normal_min
         beyond = np.maximum(lower - pressing, pressing - contact.normal_max)
@@ -63,6 +69,15 @@ def check_ramp(phase: Phase) -> Iterator[Finding]:
     free = -1 if leaving else 0
     size, time = float(np.linalg.norm(contact.force[free])), float(phase.time[free])
     yield Finding("free_force_n", size, phase.name, phase.finger, time)
+
+
+def _spinning(contact: ContactTrack) -> Array:
+    """(N,) moment about the normal as a tangential force [N]; infinite without torsion."""
+    if contact.moment is None:
+        return np.zeros(len(contact.force))
+    if contact.torsion <= 0.0:
+        return np.where(contact.moment == 0.0, 0.0, np.inf)
+    return np.asarray(contact.friction / contact.torsion * contact.moment)
 
 
 def _changes(phase: Phase, name: str) -> bool:

@@ -117,7 +117,23 @@ ROBOT_LIMITS: Mapping[str, Limit] = MappingProxyType(
 )
 """What a plan with an arm-hand is judged by besides :data:`TOOL_LIMITS`."""
 
-LIMITS: Mapping[str, Limit] = MappingProxyType({**TOOL_LIMITS, **ROBOT_LIMITS})
+TRANSFER_LIMITS: Mapping[str, Limit] = MappingProxyType(
+    {
+        "rise_excess_m": Limit(
+            _IDENTITY, "m", "step of the mass centre against its speed, beyond sampling error"
+        ),
+        "rise_rate_excess_m_s": Limit(
+            _IDENTITY, "m/s", "its speed step against acceleration, beyond sampling error"
+        ),
+        "rest_m_s": Limit(1e-8, "m/s", "speed of the tool at both ends of a transfer"),
+        "borne_tip_m": Limit(_IDENTITY, "m", "tip off the pivot while the table pushes on it"),
+        "tip_depth_m": Limit(1e-6, "m", "depth of the tip's sphere in the table"),
+        "seam_moment_nm": Limit(1e-7, "N m", "jump of a contact's moment between two phases"),
+    }
+)
+"""What a plan that takes the tool off the table is judged by besides :data:`TOOL_LIMITS`."""
+
+LIMITS: Mapping[str, Limit] = MappingProxyType({**TOOL_LIMITS, **ROBOT_LIMITS, **TRANSFER_LIMITS})
 """Residual's name -> its limit; the tolerances that a plan is judged by unless told otherwise."""
 
 

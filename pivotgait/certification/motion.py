@@ -12,11 +12,23 @@ from pivotgait.plans.plan import PIVOT
 
 
 def check_motion(plan: GaitPlan, phase: Phase) -> Iterator[Finding]:
-    """Unit quaternions, eqs (1)-(2) at every sample, rest at both ends."""
+    """Unit quaternions, eqs (1)-(2) at every sample on the pivot, no turning at both ends."""
     tool = phase.tool
     unit = np.abs(np.linalg.norm(tool.orientation, axis=1) - 1.0)
     yield largest("quaternion_norm", unit, phase)
 
+    if phase.kind != "transfer":
+        yield from _check_turning(plan, phase)
+    omega = tool.angular_velocity
+    speed = np.linalg.norm(omega, axis=1)
+    end = int(speed[-1] > speed[0])
+    time = float(phase.time[-1] if end else phase.time[0])
+    yield Finding("rest_rad_s", float(max(speed[0], speed[-1])), phase.name, time_s=time)
+
+
+def _check_turning(plan: GaitPlan, phase: Phase) -> Iterator[Finding]:
+    """Eqs (1)-(2): where the tool is and moves follows from how it turns about the pivot."""
+    tool = phase.tool
     # Each stored vector is compared with what orientation and angular quantities imply, never with
     # another stored one, so that a wrong dataset shows up in its own residual only.
     arm = tool.rotation.apply(-plan.tool.pivot_in_tool)
@@ -30,11 +42,6 @@ def check_motion(plan: GaitPlan, phase: Phase) -> Iterator[Finding]:
     )
     for what, given, expected in stored:
         yield largest(what, np.linalg.norm(given - expected, axis=1), phase)
-
-    speed = np.linalg.norm(omega, axis=1)
-    end = int(speed[-1] > speed[0])
-    time = float(phase.time[-1] if end else phase.time[0])
-    yield Finding("rest_rad_s", float(max(speed[0], speed[-1])), phase.name, time_s=time)
 
 
 def check_pivot(plan: GaitPlan, phase: Phase, tip_radius: float) -> Iterator[Finding]:

@@ -38,9 +38,18 @@ def _check_contact(before: Phase, after: Phase, name: str) -> Iterator[Finding]:
     force_right = np.zeros(3) if right is None else right.force[0]
     jump = float(np.linalg.norm(force_right - force_left))
     yield Finding("seam_force_n", jump, after.name, name, 0.0)
+    if any(each is not None and each.moment is not None for each in (left, right)):
+        turn = abs(_moment(right, 0) - _moment(left, -1))
+        yield Finding("seam_moment_nm", turn, after.name, name, 0.0)
     held = max(np.linalg.norm(force_left), np.linalg.norm(force_right)) > _FREE_N
     if left is not None and right is not None and held:
         yield from _check_place(left, right, after.name)
+
+
+def _moment(contact: ContactTrack | None, sample: int) -> float:
+    if contact is None or contact.moment is None:
+        return 0.0
+    return float(contact.moment[sample])
 
 
 def _check_place(left: ContactTrack, right: ContactTrack, phase: str) -> Iterator[Finding]:

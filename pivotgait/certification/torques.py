@@ -17,6 +17,8 @@ def check_torques(
 ) -> Finding:
     """Residual of tau = M a + N(q, v) + J^T f (Xue et al., eq. 17), f acting on the tool.
 
+    A moment about a contact's normal counts in f.
+
     J is taken at the point of the tip's surface that touches the tool. Forces of fingers that
     do not hold are none of the robot's; ``free_force_n`` judges them.
     """
@@ -37,7 +39,7 @@ def required_torques(
         (
             rigid.tip_frames[name],
             planned.fingers[name].tip_radius * (tool @ phase.contacts[name].normal),
-            phase.contacts[name].force,
+            phase.contacts[name],
         )
         for name in holding(phase)
     ]
@@ -45,9 +47,13 @@ def required_torques(
     for k, (q, v, a) in enumerate(zip(motion.q, motion.v, motion.a, strict=True)):
         torque = np.array(pin.rnea(model, data, q, v, a))
         pin.computeJointJacobians(model, data, q)
-        for frame, lever, force in wrenches:
+        for frame, lever, contact in wrenches:
             jacobian = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
             # Moved from the tip's centre to the contact: a force there and its moment.
-            torque += jacobian.T @ np.concatenate((force[k], np.cross(lever[k], force[k])))
+            force = contact.force[k]
+            moment = np.cross(lever[k], force)
+            if contact.moment is not None:
+                moment += contact.moment[k] * (tool[k] @ contact.normal)
+            torque += jacobian.T @ np.concatenate((force, moment))
         torques[k] = torque
     return torques

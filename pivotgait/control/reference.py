@@ -34,6 +34,8 @@ class Instant(NamedTuple):
         a: (n,) [rad/s^2] or [m/s^2].
         force_in_tool: (m, 3) planned force on the tool [N], **tool axes**, of each holding finger
             in the order of the phase's holds.
+        moment: (m,) planned moment on the tool about the inward normal of each of them [N m];
+            None in a phase without any.
     """
 
     phase: int
@@ -43,6 +45,7 @@ class Instant(NamedTuple):
     v: Array
     a: Array
     force_in_tool: Array
+    moment: Array | None = None
 
 
 class PhaseReference:
@@ -71,6 +74,9 @@ class PhaseReference:
         self.duration = samples.duration_s
         tool = samples.tool
         self._joints = slice(_TOOL, _TOOL + motion.q.shape[1])
+        self._forces = slice(self._joints.stop, self._joints.stop + 3 * len(self.holds))
+        moments = self._moments()
+        self._twists = bool(np.any(moments))
         self._curves = Curves(
             samples.time,
             quintic_spline(
@@ -79,6 +85,7 @@ class PhaseReference:
             quaternion_curve(samples.time, tool),
             quintic_spline(samples.time, motion.q, motion.v, motion.a),
             polygon(samples.time, self._forces_in_tool()),
+            *([polygon(samples.time, moments)] if self._twists else []),
         )
 
     def _forces_in_tool(self) -> Array:
@@ -88,6 +95,16 @@ class PhaseReference:
             for hold in self.holds
         ]
         return np.concatenate([np.zeros((len(turn), 0)), *forces], axis=1)
+
+    def _moments(self) -> Array:
+        """(N, m) about the inward normals of the holds [N m]."""
+        samples = self.samples
+        found = np.zeros((len(samples.time), len(self.holds)))
+        for place, hold in enumerate(self.holds):
+            moment = samples.contacts[hold.finger.name].moment
+            if moment is not None:
+                found[:, place] = moment
+        return found
 
     def at(self, time: float) -> Instant:
         """The plan ``time`` [s] after the phase's start."""
@@ -100,7 +117,8 @@ class PhaseReference:
             q=joints[0],
             v=joints[1],
             a=joints[2],
-            force_in_tool=values[0, self._joints.stop :].reshape(-1, 3),
+            force_in_tool=values[0, self._forces].reshape(-1, 3),
+            moment=values[0, self._forces.stop :] if self._twists else None,
         )
 
 

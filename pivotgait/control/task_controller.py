@@ -94,12 +94,16 @@ class TaskController(ABC):
 def contact_load(task: PhaseTask, wanted: Instant, turn: Array) -> Array:
     """(n,) J^T f of the planned forces, J of the tips' surfaces at the contacts (eq. 17).
 
+    Moments that soft fingertips are planned to bear about their normals are part of f.
+
     Args:
         task: updated.
         wanted: the plan now.
         turn: (3, 3) world <- tool, with which the forces turn.
     """
     moment = (task.lever_crosses @ wanted.force_in_tool[:, :, None])[:, :, 0]
+    if wanted.moment is not None:
+        moment += wanted.moment[:, None] * task.normals_in_tool
     wrench = np.concatenate((wanted.force_in_tool.dot(turn.T), moment.dot(turn.T)), axis=1)
     jacobian = task.frames.world_jacobian[: len(wrench)]
     return np.asarray(wrench.ravel().dot(jacobian.reshape(-1, jacobian.shape[2])))

@@ -43,6 +43,8 @@ class ToolGains:
 class ToolFeedback:
     """Corrections of the fingers' forces, of least norm for the moment asked for.
 
+    In a transfer the moment counts amid the contacts instead of about the pivot.
+
     Attributes:
         gains: of the moment.
         pivot_in_tool: (3,) the pivot, about which the moment counts, tool frame [m].
@@ -73,11 +75,20 @@ class ToolFeedback:
         allowed = np.minimum(1.0, self.gains.share * np.abs(planned) / size)
         return np.asarray(force * allowed[:, None])
 
+    def _centre(self, task: PhaseTask) -> Array:
+        """(3,) about which the moment counts: the pivot, or amid the fingers that carry the tool.
+
+        Off the table nothing but the fingers takes up a force, so theirs must be a couple.
+        """
+        if task.reference.samples.kind == "transfer":
+            return np.asarray(task.contacts_in_tool.mean(axis=0))
+        return self.pivot_in_tool
+
     def _distribution(self, task: PhaseTask) -> Array:
         """(3 m, 3) forces per moment; a phase's contacts stay, so it is computed once."""
         index = task.reference.index
         if index not in self._distributions:
-            levers = [pin.skew(lever) for lever in task.contacts_in_tool - self.pivot_in_tool]
+            levers = [pin.skew(lever) for lever in task.contacts_in_tool - self._centre(task)]
             moments = np.concatenate([np.zeros((3, 0)), *levers], axis=1)
             square = moments @ moments.T + _LEAST_LEVER**2 * np.eye(3)
             self._distributions[index] = moments.T @ np.linalg.inv(square)

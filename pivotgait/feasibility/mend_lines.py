@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 
 from pivotgait.feasibility.rehearsal import Obstacle
-from pivotgait.models import LiftPhase, PhaseConfig, RelocationPhase, RemovalPhase, Scene
+from pivotgait.models import (
+    LiftPhase,
+    PhaseConfig,
+    RelocationPhase,
+    RemovalPhase,
+    Scene,
+    TransferPhase,
+)
 from pivotgait.models.parameters import MASS_SCALE, Value
 
 FRICTION_MAX = 2.0
@@ -145,7 +152,7 @@ def touching(obstacle: Obstacle, configs: Sequence[PhaseConfig]) -> list[str]:
     held = [each.name for each in obstacle.before.fingers.values()]
     if isinstance(config, RemovalPhase):
         return [name for name in held if name != config.contact]
-    return [*held, config.contact]
+    return held if isinstance(config, TransferPhase) else [*held, config.contact]
 
 
 def _rounded(value: float, *, up: bool) -> float:

@@ -14,7 +14,7 @@ from pivotgait.feasibility.mend_lines import TURN_MAX, Line, SceneMend, mend_lin
 from pivotgait.feasibility.rehearsal import Obstacle, Rehearsal, rehearse
 from pivotgait.feasibility.static_verdicts import static_verdicts
 from pivotgait.feasibility.turns import held_at, smallest_tilt
-from pivotgait.models import LiftPhase, RemovalPhase, Scene
+from pivotgait.models import LiftPhase, RemovalPhase, Scene, TransferPhase
 from pivotgait.models.parameters import Value
 from pivotgait.phases.allocation import allocation_problem
 from pivotgait.phases.grasp import Setting
@@ -158,6 +158,8 @@ class MendSearch:
         scene = self.scene(changes)
         configs = scene.gaits[self.gait]
         config = configs[obstacle.place]
+        if isinstance(config, TransferPhase):
+            return self._beyond(changes, obstacle)
         if isinstance(config, LiftPhase):
             return bool(static_verdicts(_lifted(scene, config)).feasible.all())
         fingers = [scene.contacts[each.name] for each in obstacle.before.fingers.values()]

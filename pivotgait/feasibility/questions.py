@@ -23,6 +23,7 @@ from pivotgait.models import (
     RelocationPhase,
     RemovalPhase,
     Scene,
+    TransferPhase,
 )
 from pivotgait.phases.allocation import allocation_problem
 from pivotgait.phases.grasp import Setting
@@ -102,7 +103,7 @@ class Question:
         names = {
             phase_name(k, each.kind): k
             for k, each in enumerate(configs)
-            if not isinstance(each, RelocationPhase)
+            if not isinstance(each, RelocationPhase | TransferPhase)
         }
         removals = [name for name in names if isinstance(configs[names[name]], RemovalPhase)]
         phase = phase or next(iter([*removals, *names]))

@@ -1,8 +1,8 @@
 """A gait gone through without a hand: its phases, and the first obstacle if there is one.
 
-Feasibility is proven by construction: forces along every lift and addition, and for a removal a
-smooth turn to the nearest orientation that the others can hold. Where that turn is not enough
-the planner's own trajectory optimisation is asked.
+Feasibility is proven by construction: forces along every lift, addition and transfer, and for a
+removal a smooth turn to the nearest orientation that the others can hold. Where that turn is not
+enough the planner's own trajectory optimisation is asked.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from pivotgait.models import (
     RelocationPhase,
     RemovalPhase,
     Scene,
+    TransferPhase,
 )
 from pivotgait.phases.addition import AdditionOptions, plan_addition
 from pivotgait.phases.allocation import allocate_smoothly, allocation_problem
@@ -36,6 +37,7 @@ from pivotgait.phases.lift import LiftOptions, lift_motion, plan_lift
 from pivotgait.phases.relocation import resting_tool
 from pivotgait.phases.removal import RemovalOptions, plan_removal
 from pivotgait.phases.removal_problem import RemovalWeights
+from pivotgait.phases.transfer import TransferOptions, plan_transfer
 from pivotgait.plans import PIVOT, Phase
 from pivotgait.plans.layout import phase_name
 
@@ -51,7 +53,7 @@ class Obstacle:
         before: the grasp it starts from.
         kind: the limit that binds: ``friction``, ``normal_max``, ``normal_min``, ``wrench`` (no
             forces of any size do), ``force_rate``, ``turn`` (the tool may not turn as far as it
-            would have to) or ``motion`` (no trajectory was found).
+            would have to) or ``motion`` (no trajectory was found, or no forces off the table).
         contact: whose limit, a finger or ``pivot``; empty where it is nobody's.
         time_s: from the phase's start [s].
         text: one sentence.
@@ -133,6 +135,8 @@ def rehearse(
                 grasp = Grasp(grasp.rotation, after.fingers)
             elif isinstance(each, AdditionPhase):
                 phase, after = _addition(setting, grasp, each, name)
+            elif isinstance(each, TransferPhase):
+                phase, after = _transfer(setting, grasp, each, name)
             else:
                 phase, after = _removal(setting, grasp, each, name, turn_max_deg)
         except _Blocked as blocked:
@@ -172,6 +176,16 @@ def _addition(
         change = allocate(problem).force[0] - np.vstack((held, np.zeros(3)))
         needed = np.linalg.norm(change, axis=1).max() / scene_rate(setting.scene)
         raise _Blocked("force_rate", contact.finger, 0.0, error.what, float(needed)) from error
+
+
+def _transfer(
+    setting: Setting, grasp: Grasp, config: TransferPhase, name: str
+) -> tuple[Phase, Grasp]:
+    options = TransferOptions(config.duration_s, config.steps, config.rise_m)
+    try:
+        return plan_transfer(setting, grasp, options, name=name)
+    except InfeasibleError as error:
+        raise _Blocked("motion", "", 0.0, error.what) from error
 
 
 def _require_forces(grasps: Grasps, time: Array) -> None:

@@ -163,7 +163,9 @@ def _assembled(
     plan: GaitPlan | None = None,
 ) -> Verdict:
     body, robot = Setting.of(scene).body, scene.robot if plan is not None else None
-    moments = [moments_of(phase, body, robot) for phase in found.phases]
+    # Robust margins are those of point contacts on a table: off it there are none.
+    on_table = [phase for phase in found.phases if phase.kind != "transfer"]
+    moments = [moments_of(phase, body, robot) for phase in on_table]
     obstacle = found.obstacle
     if obstacle is not None and obstacle.grasp is not None:
         whole = obstacle.grasp.friction / (1.0 - scene.allocation.friction_reserve)

@@ -49,7 +49,7 @@ def solve(problem: AllocationProblem) -> Found:
 
 def _solve_single(problem: AllocationProblem) -> Found:
     form = local_form(problem)
-    v, steps = _optimum(*assemble(problem, form))
+    v, steps = optimum(*assemble(problem, form))
     if v is None:
         return Found(np.full(form.value.shape, np.nan), np.zeros(1, dtype=bool), steps)
     x, loaded = np.array(form.value), ~form.known.all(axis=-1)
@@ -240,14 +240,14 @@ def _run(
         row = np.broadcast_to(place[..., :, None], both.shape)[both]
         column = np.broadcast_to(place[..., None, :], both.shape)[both]
         quadratic = _sparse(row, column, curvature[both], compiled.width, compiled.width)
-    v, steps = _optimum(quadratic, linear[free], compiled.matrix, compiled.side, compiled.cones)
+    v, steps = optimum(quadratic, linear[free], compiled.matrix, compiled.side, compiled.cones)
     if v is None:
         return None, steps
     x[~known] = v[: int((~known).sum())]
     return _onto_wrench(program.form, program.problem.wrench, x), steps
 
 
-def _optimum(
+def optimum(
     quadratic: Any, linear: Array, matrix: Any, side: Array, cones: list[Any]
 ) -> tuple[Array | None, int]:
     """Optimum of Clarabel's standard form, or None if it has no point, and the iterations."""

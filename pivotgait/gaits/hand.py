@@ -21,6 +21,7 @@ from pivotgait.gaits.itinerary import Itinerary, contacts_left
 from pivotgait.gaits.steps import Step
 from pivotgait.kinematics import Hold
 from pivotgait.models import HandleContact, RelocationPhase, Robot
+from pivotgait.phases.carrying import carry
 from pivotgait.phases.grasp import Setting
 from pivotgait.phases.relocation import relocation_phase, relocation_problem
 from pivotgait.phases.tracking import JointMotion, Untracked, Waypoints, track, with_torques
@@ -156,7 +157,8 @@ class HandPlanner:
                 return self._carry_out(itinerary, postures)
             except Blocked as blocked:
                 reason, step = f"{self._steps[blocked.place].name}: {blocked.what}", blocked.place
-                if any(stop.sample == blocked.sample for stop in itinerary.stops[step]):
+                stops = itinerary.stops[step]
+                if len(stops) == 1 or any(stop.sample == blocked.sample for stop in stops):
                     return reason
                 itinerary, new = itinerary.with_stop(self._steps, step, blocked.sample)
                 settled = self._settle(itinerary, np.insert(postures.q, new, blocked.q, axis=0))
@@ -199,7 +201,10 @@ class HandPlanner:
         step = self._steps[place]
         holds = _holds(postures, step.touching.values())
         try:
-            motion = track(self._robot, holds, phase.time, phase.tool, through)
+            if phase.kind == "transfer":
+                motion = carry(self._robot, phase.time, phase.tool, through.q[0])
+            else:
+                motion = track(self._robot, holds, phase.time, phase.tool, through)
         except Untracked as error:
             raise Blocked(place, error.sample, error.q, error.what) from error
         self._check_limits(place, motion)
@@ -235,13 +240,22 @@ class HandPlanner:
         between = 0.5 * (motion.q[:-1] + motion.q[1:]) - 0.125 * step * np.diff(motion.v, axis=0)
         q = np.concatenate((motion.q, between))
         turns = Rotation.concatenate((rotation, halfway))
-        poses = turns.as_matrix(), self._setting.scene.centre_of_mass(turns)
+        poses = turns.as_matrix(), self._places(phase, turns)
         if all(world.free(*each) for each in zip(q, *poses, strict=True)):
             return
         found = [world.clearance(*each) for each in zip(q, *poses, strict=True)]
         worst = int(np.argmin([distance for distance, _ in found]))
         what = "collision: " + " - ".join(found[worst][1])
         raise Blocked(place, worst % len(motion.q), q[worst], what)
+
+    def _places(self, phase: Phase, turns: Rotation) -> Array:
+        """(2 N - 1, 3) where the centre of mass is at the samples and halfway between them [m]."""
+        if phase.kind != "transfer":
+            return self._setting.scene.centre_of_mass(turns)
+        at, speed = phase.tool.position, phase.tool.linear_velocity
+        step = np.diff(phase.time)[:, None]
+        between = 0.5 * (at[:-1] + at[1:]) - 0.125 * step * np.diff(speed, axis=0)
+        return np.concatenate((at, between))
 
     def _relocate(self, step: Step, start: Array, goal: Array, postures: Postures) -> Phase:
         scene, config, grasp = self._setting.scene, step.config, step.before
@@ -253,6 +267,7 @@ class HandPlanner:
             grasp.rotation,
             _holds(postures, grasp.fingers.values()),
             contact,
+            lands=config.standoff_m == 0.0,
             start=start,
             goal=goal,
             left=left,

@@ -10,7 +10,14 @@ import numpy as np
 from pivotgait.exceptions import SceneError
 from pivotgait.frozen import Array
 from pivotgait.gaits.steps import Step
-from pivotgait.models import AdditionPhase, HandleContact, LiftPhase, RelocationPhase, Scene
+from pivotgait.models import (
+    AdditionPhase,
+    HandleContact,
+    LiftPhase,
+    RelocationPhase,
+    Scene,
+    TransferPhase,
+)
 from pivotgait.planning.key_posture import KeyPose
 from pivotgait.plans import Phase
 
@@ -52,11 +59,13 @@ class Itinerary:
         for step in steps:
             config, here = step.config, Stop(0, len(keys) - 1)
             if isinstance(config, RelocationPhase):
-                keys.append(_after_relocation(scene, step, scene.contacts[config.contact]))
+                keys.append(_after_relocation(scene, step, relocation_goal(scene, config)))
                 stops.append((here, Stop(1, here.key + 1)))
             elif isinstance(config, AdditionPhase):
                 _check_arrived(keys[-1], scene.contacts[config.contact], step.name)
                 stops.append((here,))
+            elif isinstance(config, TransferPhase):
+                stops.append((here,))  # hand and tool move as one body, from where they are
             else:
                 last = _last(step)
                 samples = [last // 2, last]
@@ -128,8 +137,15 @@ def contacts_left(scene: Scene, steps: Sequence[Step]) -> Iterator[tuple[str, Ha
         if isinstance(step.config, RelocationPhase):
             goal = scene.contacts[step.config.contact]
             if goal.finger in at:
-                yield step.name, at[goal.finger]
-            at[goal.finger] = goal
+                yield step.name, at.pop(goal.finger)
+            if step.config.standoff_m == 0.0:
+                at[goal.finger] = goal
+
+
+def relocation_goal(scene: Scene, config: RelocationPhase) -> HandleContact:
+    """Where a relocation brings its finger: the contact itself, or a place before it."""
+    contact = scene.contacts[config.contact]
+    return contact.standing_off(config.standoff_m) if config.standoff_m > 0.0 else contact
 
 
 def _last(step: Step) -> int:

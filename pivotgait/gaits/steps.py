@@ -9,12 +9,20 @@ from types import MappingProxyType
 
 from pivotgait.exceptions import PivotGaitError
 from pivotgait.forces import LinearRows
-from pivotgait.models import AdditionPhase, HandleContact, LiftPhase, PhaseConfig, RelocationPhase
+from pivotgait.models import (
+    AdditionPhase,
+    HandleContact,
+    LiftPhase,
+    PhaseConfig,
+    RelocationPhase,
+    TransferPhase,
+)
 from pivotgait.phases.addition import AdditionOptions, plan_addition
 from pivotgait.phases.grasp import Grasp, Setting
 from pivotgait.phases.lift import LiftOptions, plan_lift
 from pivotgait.phases.removal import RemovalOptions, plan_removal
 from pivotgait.phases.removal_problem import RemovalWeights
+from pivotgait.phases.transfer import TransferOptions, plan_transfer
 from pivotgait.plans import Phase
 from pivotgait.plans.layout import phase_name
 
@@ -90,6 +98,9 @@ def _plan(
             lift = LiftOptions(config.duration_s, config.steps, config.profile)
             target = scene.lift_rotation(config.to)
             return plan_lift(setting, start, target, lift, name=name, rows=rows)
+        if isinstance(config, TransferPhase):
+            transfer = TransferOptions(config.duration_s, config.steps, config.rise_m)
+            return plan_transfer(setting, grasp, transfer, name=name)
         contact = scene.contacts[config.contact]
         if isinstance(config, AdditionPhase):
             addition = AdditionOptions(config.duration_s, config.steps)

@@ -22,10 +22,11 @@ class ContactMargins:
 
     Attributes:
         name: of the contact.
-        friction: (N,) 1 - |f_t| / (mu f_n), in [0, 1] inside the cone; NaN without force.
+        friction: (N,) 1 - |f_t| / (mu f_n), in [0, 1] inside the cone; NaN without force. Of a soft
+            fingertip 1 - |(f_t, mu m / e)| / (mu f_n), with its moment m.
         above_min: (N,) normal force over its lower bound [N]; for the pivot, how far the tip is
-            from lifting off the table. NaN for a finger that is being removed or added: its
-            force passes through 0 on purpose.
+            from lifting off the table. NaN for a finger that is being removed or added, and for
+            the pivot of a transfer: its force passes through 0 on purpose.
         below_max: (N,) upper bound over the normal force [N].
         span: distance of the two bounds [N].
     """
@@ -74,8 +75,11 @@ def _contact_margins(contact: ContactTrack, phase: Phase) -> ContactMargins:
     normal = contact.world_normal(phase.tool)
     pressing, _ = split_force(contact.force, normal)
     friction = friction_margin(contact.force, normal, contact.friction)
+    if contact.moment is not None:
+        friction = 1.0 - np.hypot(1.0 - friction, _spin_share(contact, pressing))
     above_min = pressing - contact.normal_min
-    if phase.kind in ("removal", "addition") and contact.name == phase.finger:
+    changing = phase.kind in ("removal", "addition") and contact.name == phase.finger
+    if changing or (phase.kind == "transfer" and contact.is_pivot):
         above_min = np.full_like(above_min, np.nan)
     return ContactMargins(
         name=contact.name,
@@ -84,3 +88,11 @@ def _contact_margins(contact: ContactTrack, phase: Phase) -> ContactMargins:
         below_max=frozen(contact.normal_max - pressing),
         span=float(contact.normal_max - contact.normal_min),
     )
+
+
+def _spin_share(contact: ContactTrack, pressing: Array) -> Array:
+    """(N,) |m| / (e f_n) of a soft fingertip; 0 without force, which has no margin anyway."""
+    assert contact.moment is not None
+    largest = contact.torsion * pressing
+    loaded = largest > 0.0
+    return np.where(loaded, np.abs(contact.moment) / np.where(loaded, largest, 1.0), 0.0)

@@ -15,6 +15,7 @@ from pivotgait.models.scene_config import (
     RemovalPhase,
     RemovalWeights,
     SceneConfig,
+    TransferPhase,
 )
 from pivotgait.models.scene_loading import (
     builtin_scenes,
@@ -46,6 +47,7 @@ __all__ = [
     "SurfacePoint",
     "Table",
     "Tool",
+    "TransferPhase",
     "attitude",
     "builtin_scenes",
     "export_scene",

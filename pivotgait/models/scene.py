@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -53,6 +53,7 @@ class HandleContact(FrozenArrays):
         friction: Coulomb coefficient.
         normal_min: lower bound of the normal force [N].
         normal_max: upper bound of the normal force [N].
+        torsion: coefficient of torsional friction [m], 0 for a point contact.
     """
 
     name: str
@@ -62,6 +63,12 @@ class HandleContact(FrozenArrays):
     friction: float
     normal_min: float
     normal_max: float
+    torsion: float = 0.0
+
+    def standing_off(self, distance: float) -> HandleContact:
+        """The place this far [m] out along the normal, where a fingertip is in the air."""
+        place = self.point - distance * self.normal
+        return replace(self, name=f"{self.name}, stood off", point=place)
 
 
 @dataclass(frozen=True, eq=False)

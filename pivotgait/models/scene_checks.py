@@ -16,6 +16,7 @@ from pivotgait.models.scene_config import (
     PhaseConfig,
     RelocationPhase,
     SceneConfig,
+    TransferPhase,
 )
 
 MIN_FINGERS = 2
@@ -111,8 +112,12 @@ def _check_gait(config: SceneConfig, phases: Sequence[PhaseConfig], where: str) 
         elif place == 0:
             mend = "put a lift first; it says which contacts hold the tool"
             raise SceneError(f"starts with kind {phase.kind}", where=at, mend=mend)
+        elif isinstance(phase, TransferPhase):
+            if place < len(phases) - 1:
+                mend = "the tool is off the table then, so it comes last"
+                raise SceneError("a transfer before another phase", where=at, mend=mend)
         elif isinstance(phase, RelocationPhase):
-            _move(config, touching, waiting, phase.contact, f"{at}.contact")
+            _move(config, touching, waiting, phase, f"{at}.contact")
         elif isinstance(phase, AdditionPhase):
             _arrive(config, waiting, phase.contact, f"{at}.contact")
             _add(config, touching, phase.contact, f"{at}.contact")
@@ -138,17 +143,22 @@ def _add(config: SceneConfig, touching: dict[str, str], contact: str, at: str) -
 
 
 def _move(
-    config: SceneConfig, touching: dict[str, str], waiting: dict[str, str], contact: str, at: str
+    config: SceneConfig,
+    touching: dict[str, str],
+    waiting: dict[str, str],
+    phase: RelocationPhase,
+    at: str,
 ) -> None:
     """Only a finger that does not hold the tool can go elsewhere."""
-    finger = _finger(config, contact, at)
+    finger = _finger(config, phase.contact, at)
     if finger in touching:
         raise SceneError(
             f"finger {finger!r} holds the tool at {touching[finger]!r}",
             where=at,
             mend="remove it before moving it elsewhere",
         )
-    waiting[finger] = contact
+    away = f"a place before {phase.contact}"
+    waiting[finger] = away if phase.standoff_m > 0.0 else phase.contact
 
 
 def _arrive(config: SceneConfig, waiting: dict[str, str], contact: str, at: str) -> None:
@@ -159,7 +169,7 @@ def _arrive(config: SceneConfig, waiting: dict[str, str], contact: str, at: str)
         raise SceneError(
             f"finger {finger!r} was moved to {moved!r}, not to {contact!r}",
             where=at,
-            mend=f"add {moved!r} or move the finger to {contact!r}",
+            mend=f"move the finger to {contact!r}, touching it, before this addition",
         )
 
 

@@ -82,6 +82,8 @@ class ContactConfig(Config):
     around_deg: Angle
     friction: Friction
     normal_force_N: ForceBounds
+    torsion_m: Annotated[FiniteFloat, Field(ge=0, le=0.05)] = 0.0
+    """Torsional friction of a soft fingertip: largest moment about the normal per normal force."""
 
 
 class AllocationConfig(Config):
@@ -148,10 +150,23 @@ class RelocationPhase(Config):
     contact: Name
     sample_s: Annotated[FiniteFloat, Field(gt=0, le=0.1)] = 0.02
     """Time between the plan's samples; the duration follows from the joints' limits."""
+    standoff_m: Annotated[FiniteFloat, Field(ge=0, le=0.05)] = 0.0
+    """How far before the contact the fingertip stops, along the normal; from 0, touching it."""
+
+
+class TransferPhase(Config):
+    """Take the tool off the table: the pivot's force fades, the tool rises, then hangs still."""
+
+    kind: Literal["transfer"]
+    duration_s: Duration
+    steps: Steps
+    rise_m: Annotated[FiniteFloat, Field(gt=0, le=0.5)] = 0.05
+    """How far the tool rises, straight up, without turning."""
 
 
 PhaseConfig = Annotated[
-    LiftPhase | AdditionPhase | RemovalPhase | RelocationPhase, Field(discriminator="kind")
+    LiftPhase | AdditionPhase | RemovalPhase | RelocationPhase | TransferPhase,
+    Field(discriminator="kind"),
 ]
 
 

@@ -203,7 +203,14 @@ def _contacts(
             point, normal = place.point, place.normal
         bounds = given.normal_force_N
         contacts[name] = HandleContact(
-            name, given.finger, point, normal, given.friction, bounds.min, bounds.max
+            name,
+            given.finger,
+            point,
+            normal,
+            given.friction,
+            bounds.min,
+            bounds.max,
+            given.torsion_m,
         )
     return contacts
 

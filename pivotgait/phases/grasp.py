@@ -78,6 +78,7 @@ def finger_track(contact: HandleContact, force: Array, *, changing: bool = False
         friction=contact.friction,
         normal_min=0.0 if changing else contact.normal_min,
         normal_max=contact.normal_max,
+        torsion=contact.torsion,
     )
 
 

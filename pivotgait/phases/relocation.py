@@ -55,6 +55,7 @@ def relocation_problem(
     *,
     start: Array,
     goal: Array,
+    lands: bool = True,
     left: HandleContact | None = None,
     options: RelocationOptions | None = None,
 ) -> RelocationProblem:
@@ -68,6 +69,7 @@ def relocation_problem(
         contact: to which its finger goes.
         start: (nv,) joint positions, at the holds.
         goal: (nv,) joint positions, at the holds and the contact.
+        lands: whether the finger touches the contact at the end; else it ends in the air.
         left: the contact the finger still is at; None if it starts in the air.
         options: of the search.
 
@@ -83,6 +85,6 @@ def relocation_problem(
         goal=goal,
         tool=PivotingTool.resting(rotation.as_matrix(), scene.centre_of_mass(rotation)),
         start_normal=None if left is None else left.normal,
-        goal_normal=contact.normal,
+        goal_normal=contact.normal if lands else None,
         options=options or RelocationOptions(),
     )

@@ -101,6 +101,8 @@ def with_torques(
 ) -> RobotMotion:
     """Torques that move the arm-hand and press on the tool: tau = M a + N + J^T f (eq. 17).
 
+    Moments that soft fingertips bear about their normals count as well.
+
     Args:
         robot: the arm-hand.
         motion: N samples.
@@ -115,6 +117,10 @@ def with_torques(
         for name, inward in normal.items():
             jacobian = contact_jacobian(robot, data, name, inward[k])
             tau[k] += jacobian.T @ contacts[name].force[k]
+            moment = contacts[name].moment
+            if moment is not None:
+                turning = tip_jacobian(robot, data, name)[3:]
+                tau[k] += turning.T @ (moment[k] * inward[k])
     return RobotMotion(q=motion.q, v=motion.v, a=motion.a, tau=tau)
 
 
@@ -134,7 +140,12 @@ def contact_jacobian(robot: Robot, data: pin.Data, finger: str, inward: Array) -
         finger: name.
         inward: (3,) the tool's inward normal, world; the contact lies there from the tip's centre.
     """
-    tip = robot.fingers[finger]
-    pin.updateFramePlacement(robot.model, data, tip.tip_frame_id)
-    full = pin.getFrameJacobian(robot.model, data, tip.tip_frame_id, pin.LOCAL_WORLD_ALIGNED)
-    return np.asarray(full[:3] + np.cross(full[3:].T, tip.tip_radius * inward).T)
+    full, radius = tip_jacobian(robot, data, finger), robot.fingers[finger].tip_radius
+    return np.asarray(full[:3] + np.cross(full[3:].T, radius * inward).T)
+
+
+def tip_jacobian(robot: Robot, data: pin.Data, finger: str) -> Array:
+    """(6, nv) [linear; angular] velocity of a fingertip's centre, world axes."""
+    frame = robot.fingers[finger].tip_frame_id
+    pin.updateFramePlacement(robot.model, data, frame)
+    return np.array(pin.getFrameJacobian(robot.model, data, frame, pin.LOCAL_WORLD_ALIGNED))

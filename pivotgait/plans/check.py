@@ -110,11 +110,17 @@ def _check_contact(name: str, contact: ContactTrack, count: int, where: str) -> 
     check_array(contact.point, (3,), f"{where} point")
     check_array(contact.normal, (3,), f"{where} normal")
     check_array(contact.force, (count, 3), f"{where} force")
-    for field in ("friction", "normal_min", "normal_max"):
+    if contact.moment is not None:
+        check_array(contact.moment, (count,), f"{where} moment")
+    for field in ("friction", "normal_min", "normal_max", "torsion"):
         check_finite(getattr(contact, field), f"{where} {field}")
     if not contact.friction > 0.0:
         raise PlanFileError(
             f"friction is {contact.friction:g}", where=where, mend="it must be positive"
+        )
+    if contact.torsion < 0.0:
+        raise PlanFileError(
+            f"torsion is {contact.torsion:g} m", where=where, mend="it must not be negative"
         )
     if not 0.0 <= contact.normal_min <= contact.normal_max:
         raise PlanFileError(

@@ -143,6 +143,8 @@ def _contact(node: Node, name: str, count: int) -> ContactTrack:
         friction=node.number("friction"),
         normal_min=node.number("normal_min"),
         normal_max=node.number("normal_max"),
+        torsion=node.number("torsion") if "torsion" in node.group.attrs else 0.0,
+        moment=node.array("moment", (count,)) if "moment" in node.names else None,
     )
 
 

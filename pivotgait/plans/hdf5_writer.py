@@ -87,6 +87,10 @@ def _contact(group: Any, contact: ContactTrack) -> None:
         _array(group, name, getattr(contact, name))
     for name in ("friction", "normal_min", "normal_max"):
         group.attrs[name] = float(getattr(contact, name))
+    if contact.torsion > 0.0:
+        group.attrs["torsion"] = float(contact.torsion)
+    if contact.moment is not None:
+        _array(group, "moment", contact.moment)
 
 
 def _array(group: Any, name: str, array: Array) -> None:

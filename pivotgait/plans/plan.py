@@ -74,6 +74,9 @@ class ContactTrack(FrozenArrays):
         friction: Coulomb coefficient.
         normal_min: lower bound of the normal force [N] (0 for a finger that comes or goes).
         normal_max: upper bound of the normal force [N].
+        torsion: coefficient of torsional friction e of a soft fingertip [m], which bears moments
+            about the normal up to e f_n (less where it is pushed sideways, too); 0 for a point.
+        moment: (N,) about the inward normal on the tool [N m], None for none.
     """
 
     name: str
@@ -83,6 +86,8 @@ class ContactTrack(FrozenArrays):
     friction: float
     normal_min: float
     normal_max: float
+    torsion: float = 0.0
+    moment: Array | None = None
 
     @property
     def is_pivot(self) -> bool:

@@ -25,7 +25,7 @@ class Metrics:
             a finger must hold [N].
         loading_force_rms_N: the same while its force grows from or shrinks to zero [N].
         orientation_deg: largest angle from the planned orientation [deg].
-        tip_slip_mm: largest way of the tip along the table [mm].
+        tip_slip_mm: largest way of the tip along the table, before a transfer [mm].
         fingertip_slip_mm: largest way of a holding fingertip along the tool's surface [mm].
         torque_share: largest torque asked for over the joint's limit.
     """
@@ -52,7 +52,7 @@ def measure(robot: Robot, series: RunSeries, planned: Planned) -> Metrics:
         holding_force_rms_N=_largest_rms(error, (planned.holds > 0) & begun[:, None]),
         loading_force_rms_N=_largest_rms(error, (planned.loads > 0) & begun[:, None]),
         orientation_deg=float(np.degrees(_most(orientation_errors(series, planned)[begun]))),
-        tip_slip_mm=1e3 * _most(tip_slip(series)),
+        tip_slip_mm=1e3 * _most(tip_slip(series)[planned.carried == 0.0]),
         fingertip_slip_mm=1e3 * max((_most(slip) for slip in slips.values()), default=0.0),
         torque_share=_most(share[begun]),
     )

@@ -106,8 +106,9 @@ def _set_pairs(spec: Any, world: World, tool: str) -> None:
     shapes = _names(spec.body(tool).geoms)
     for name, finger in world.fingers.items():
         tip = _names(spec.body(f"{ROBOT}{finger.tip_frame}").geoms)
-        _add_pairs(spec, tip, shapes, world.finger_friction[name])
-    _add_pairs(spec, (TABLE,), shapes, world.table_friction)
+        friction, torsion = world.finger_friction[name], world.finger_torsion.get(name, 0.0)
+        _add_pairs(spec, tip, shapes, friction, torsion)
+    _add_pairs(spec, (TABLE,), shapes, world.table_friction, 0.0)
     for one, other in quiet_pairs(world.robot_urdf, world.never_touch).among:
         spec.add_exclude(bodyname1=f"{ROBOT}{one}", bodyname2=f"{ROBOT}{other}")
 
@@ -116,11 +117,14 @@ def _names(geoms: Iterable[Any]) -> tuple[str, ...]:
     return tuple(geom.name for geom in geoms)
 
 
-def _add_pairs(spec: Any, ones: Iterable[str], others: tuple[str, ...], friction: float) -> None:
+def _add_pairs(
+    spec: Any, ones: Iterable[str], others: tuple[str, ...], friction: float, torsion: float
+) -> None:
+    """Pairs of geoms; with torsional friction [m] a contact has a fourth dimension."""
+    values, condim = [friction, friction, torsion, 0.0, 0.0], 4 if torsion > 0.0 else 3
     for one in ones:
         for other in others:
-            values = [friction, friction, 0.0, 0.0, 0.0]
-            spec.add_pair(geomname1=one, geomname2=other, condim=3, friction=values)
+            spec.add_pair(geomname1=one, geomname2=other, condim=condim, friction=values)
 
 
 def _set_contacts(model: Any, options: SimulatorOptions) -> None:

@@ -29,6 +29,8 @@ class Planned(FrozenArrays):
         holds: (N, fingers) 1 where a finger must touch the tool, else 0.
         loads: (N, fingers) 1 where a finger's force grows from or shrinks to zero.
         free: (N, fingers) 1 where a finger has no business at the tool.
+        carried: (N,) 1 from a transfer's start on, when the tip need not bear on the table, else 0.
+        rise: (N,) of the tip over where it stands on the table [m].
         height: (N,) of the tool's lowest point, but the tip, over the table [m].
     """
 
@@ -42,6 +44,8 @@ class Planned(FrozenArrays):
     holds: Array
     loads: Array
     free: Array
+    carried: Array
+    rise: Array
     height: Array
 
     def every(self, step: int) -> Planned:
@@ -73,7 +77,7 @@ def planned_at(plan: GaitPlan, time: Array, fingers: tuple[str, ...]) -> Planned
     columns.settle(plan.phases[-1], index == len(ends), fingers)
     return Planned(
         phase=index.astype(float),
-        height=tool_height(plan, Rotation.from_quat(columns.orientation)),
+        height=tool_height(plan, Rotation.from_quat(columns.orientation)) + columns.rise,
         **vars(columns),
     )
 
@@ -91,6 +95,8 @@ class _Columns:
     holds: Array
     loads: Array
     free: Array
+    carried: Array
+    rise: Array
 
     @classmethod
     def empty(cls, count: int, fingers: int) -> _Columns:
@@ -105,6 +111,8 @@ class _Columns:
             holds=np.zeros(flat),
             loads=np.zeros(flat),
             free=np.ones(flat),
+            carried=np.zeros(count),
+            rise=np.zeros(count),
         )
 
     def fill(
@@ -117,6 +125,10 @@ class _Columns:
         pivot = phase.contacts[PIVOT]
         self.pivot_force[rows] = _between(at, since, pivot.force)
         self.pivot_friction[rows] = pivot.friction
+        if phase.kind == "transfer":
+            self.carried[rows] = 1.0
+            rise = phase.tool.position[:, 2] - phase.tool.position[0, 2]
+            self.rise[rows] = np.interp(at, since, rise)
         for k, name in enumerate(fingers):
             track = phase.contacts.get(name)
             if track is None or (phase.kind == "relocation" and name == phase.finger):

@@ -26,8 +26,8 @@ class PyBulletSimulator:
     """One world in a Bullet client of its own (DIRECT, without a window).
 
     Friction multiplies in Bullet: the tool has coefficient 1, so that fingertips and table carry
-    those of their pairs with it. Contacts are in series: fingertips and table carry the
-    stiffness, the tool is rigid.
+    those of their pairs with it. Torsional friction is bounded apart from it, by e f_n. Contacts
+    are in series: fingertips and table carry the stiffness, the tool is rigid.
 
     Args:
         world: bodies and coefficients.
@@ -263,18 +263,19 @@ class PyBulletSimulator:
             if finger is None:
                 self._change(self.robot, link, lateralFriction=1.0)
             else:
-                friction = world.finger_friction[finger]
-                self._change(self.robot, link, lateralFriction=friction, **soft)
+                friction, torsion = (
+                    world.finger_friction[finger],
+                    world.finger_torsion.get(finger, 0.0),
+                )
+                values = {"lateralFriction": friction, "spinningFriction": torsion, **soft}
+                self._change(self.robot, link, **values)
 
     def _change(self, body: int, link: int, **values: float) -> None:
         self._bullet.changeDynamics(
             body,
             link,
-            rollingFriction=0.0,
-            spinningFriction=0.0,
-            restitution=0.0,
             physicsClientId=self.client,
-            **values,
+            **{"rollingFriction": 0.0, "spinningFriction": 0.0, "restitution": 0.0, **values},
         )
 
     def _set_pairs(self) -> None:

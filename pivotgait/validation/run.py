@@ -136,15 +136,13 @@ def run(
 def real_world(plan: GaitPlan, real: RealTool, perturbation: Perturbation) -> World:
     """The world of a plan with the perturbation's tool and frictions."""
     world = World.of(plan)
-    friction = {
-        name: perturbation.finger_friction_scale * value
-        for name, value in world.finger_friction.items()
-    }
+    scale = perturbation.finger_friction_scale
     return replace(
         world,
         tool_urdf=real.tool.urdf,
         pivot_in_tool=real.tool.pivot_in_tool,
-        finger_friction=friction,
+        finger_friction={name: scale * value for name, value in world.finger_friction.items()},
+        finger_torsion={name: scale * value for name, value in world.finger_torsion.items()},
         table_friction=perturbation.table_friction_scale * world.table_friction,
         joint_friction=perturbation.joint_friction,
     )

@@ -17,15 +17,22 @@ Rows = NDArray[np.intp]
 _TOUCHING_N = 0.1
 """A fingertip that comes has arrived when its force exceeds this."""
 _EVERY_S = 0.005
+_LIFTED_M = 5e-3
+"""A tip this far over the table is off it for good: a tool that tips back comes less far."""
 
 
 def tip_slip(series: RunSeries) -> Array:
-    """(N,) distance along the table of the tip from where it was at the plan's start [m]."""
+    """(N,) distance along the table of the tip from where it was at the plan's start [m].
+
+    0 while it is off the table, by more than 5 mm, as after a transfer.
+    """
     turn = Rotation.from_quat(series.tool_orientation).as_matrix()
     tip = series.tool_position + turn @ series.pivot_in_tool
     start = min(int(np.searchsorted(series.time, 0.0)), len(tip) - 1)
-    slip = np.linalg.norm((tip - tip[start])[:, :2], axis=1)
+    way = tip - tip[start]
+    slip = np.linalg.norm(way[:, :2], axis=1)
     slip[:start] = 0.0
+    slip[way[:, 2] > _LIFTED_M] = 0.0
     return np.asarray(slip)
 
 

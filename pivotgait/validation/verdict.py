@@ -31,13 +31,14 @@ class Rule:
 
     Attributes:
         lost_s: no contact that must hold is without force for longer [s].
-        tip_slip_m: the tip on the table stays within this of where the plan began [m].
+        tip_slip_m: the tip stays within this of where the plan began [m], on the table.
         fingertip_slip_m: every holding fingertip moves less along the tool's surface [m].
         orientation_deg: the tool stays within this of the planned orientation [deg].
         limit_rad: no joint is farther beyond its limits [rad] or [m].
         saturated_s: no joint is asked for more than its largest torque for longer [s].
         table_m: the table bears the tool elsewhere than at the tip only while the plan keeps it
             lower than this [m].
+        carried_m: a tool that is taken off the table moves within this of the planned way [m].
         release_s: a finger that leaves or comes may touch for so long after leaving and before
             coming [s]; else nothing touches that should not.
     """
@@ -49,6 +50,7 @@ class Rule:
     limit_rad: float = 0.01
     saturated_s: float = 0.020
     table_m: float = 3e-3
+    carried_m: float = 5e-3
     release_s: float = 0.25
 
 
@@ -99,6 +101,7 @@ def judge(
     events = [
         *_slips(robot, series, planned, rule),
         *_losses(series, planned, rule),
+        *_drops(series, planned, rule),
         *_turns(series, planned, rule),
         *_limits(robot, series, rule),
         *_touches(series, planned, rule),
@@ -122,7 +125,8 @@ def orientation_errors(series: RunSeries, planned: Planned) -> Array:
 
 
 def _slips(robot: Robot, series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:
-    slips = {"tip": (tip_slip(series), rule.tip_slip_m)}
+    on_table = planned.carried == 0.0
+    slips = {"tip": (np.where(on_table, tip_slip(series), 0.0), rule.tip_slip_m)}
     for name, slip in fingertip_slips(robot, series, planned).items():
         slips[name] = (slip, rule.fingertip_slip_m)
     return [
@@ -139,7 +143,7 @@ def _losses(series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:
         name: (series.force[:, k], planned.holds[:, k] > 0.0)
         for k, name in enumerate(series.fingers)
     }
-    contacts["pivot"] = (series.pivot_force, np.ones(len(series.time), dtype=bool))
+    contacts["pivot"] = (series.pivot_force, planned.carried == 0.0)
     events = []
     for name, (force, wanted) in contacts.items():
         lost = wanted & begun & ~np.any(force != 0.0, axis=1)
@@ -148,6 +152,20 @@ def _losses(series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:
             what = f"{name} lost its contact for more than {1e3 * rule.lost_s:g} ms"
             events.append(_Event(when, "loss", what))
     return events
+
+
+def _drops(series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:
+    """A tool taken off the table that does not go where it should: up, and nowhere else."""
+    rows = np.flatnonzero(planned.carried > 0.0)
+    if not len(rows):
+        return []
+    way = series.tool_position[rows] - series.tool_position[rows[0]]
+    way[:, 2] -= planned.rise[rows]
+    row = _first(np.asarray(np.linalg.norm(way, axis=1) > rule.carried_m, dtype=np.bool_))
+    if row is None:
+        return []
+    what = f"the carried tool is {1e3 * rule.carried_m:g} mm off its way"
+    return [_Event(float(series.time[rows[row]]), "loss", what)]
 
 
 def _turns(series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:

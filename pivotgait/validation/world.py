@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -33,6 +33,8 @@ class World(FrozenArrays):
         table_height: z of the table's plane [m].
         gravity: (3,) world [m/s^2].
         joint_friction: (nv,) dry friction of the joints [N m] or [N].
+        finger_torsion: coefficient of torsional friction of each soft fingertip on the tool [m];
+            those left out are points.
     """
 
     robot_urdf: str
@@ -47,12 +49,13 @@ class World(FrozenArrays):
     table_height: float
     gravity: Array
     joint_friction: Array
+    finger_torsion: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def of(cls, plan: GaitPlan) -> World:
         """The world as a plan takes it to be.
 
-        A finger has one friction coefficient here: the least of its contacts'.
+        A finger has one coefficient of each friction here: the least of its contacts'.
 
         Raises:
             PlanFileError: for a plan without a robot, or whose tool has no sphere at the pivot.
@@ -68,6 +71,10 @@ class World(FrozenArrays):
             name: min((each.friction for each in tracks if each.name == name), default=1.0)
             for name in (*plan.robot.fingers, PIVOT)
         }
+        torsion = {
+            name: min((each.torsion for each in tracks if each.name == name), default=0.0)
+            for name in plan.robot.fingers
+        }
         return cls(
             robot_urdf=plan.robot.urdf,
             joint_names=plan.robot.joint_names,
@@ -77,6 +84,7 @@ class World(FrozenArrays):
             pivot_in_tool=plan.tool.pivot_in_tool,
             tip_radius=_tip_radius(plan),
             finger_friction={name: friction[name] for name in plan.robot.fingers},
+            finger_torsion=torsion,
             table_friction=friction[PIVOT],
             table_height=plan.table_height,
             gravity=plan.gravity,

@@ -33,7 +33,8 @@ def test_urdf_keeps_the_conventions(path: Path) -> None:
 
 
 def test_the_tools_are_found() -> None:
-    assert {"chef_knife", "screwdriver", "wrench"} <= set(model_names())
+    tools = {"chef_knife", "screwdriver", "wrench", "spatula", "table_knife"}
+    assert tools <= set(model_names())
 
 
 def test_an_installed_package_brings_its_own_models(

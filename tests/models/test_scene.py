@@ -30,8 +30,9 @@ def scene(request: pytest.FixtureRequest) -> Scene:
     return SCENES[request.param]
 
 
-def test_the_three_tools_are_built_in() -> None:
-    assert {"knife", "screwdriver", "wrench"} <= set(builtin_scenes())
+def test_the_tools_are_built_in() -> None:
+    tools = {"knife", "screwdriver", "wrench", "spatula", "table_knife"}
+    assert tools <= set(builtin_scenes())
 
 
 def test_tip_and_one_more_shape_touch_the_table_and_nothing_is_below(scene: Scene) -> None:
@@ -46,18 +47,8 @@ def test_tip_and_one_more_shape_touch_the_table_and_nothing_is_below(scene: Scen
     assert scene.pivot[2] == scene.table.height + scene.tool.tip_radius
 
 
-UNSTABLE = {
-    "screwdriver": "8.7 mm behind the handle's front end",
-    "wrench": "15 mm behind the head's rear end",
-}
-"""Where the weight of a tool acts that tips back when nobody holds it: its tip would rise."""
-
-
-def test_the_tool_rests_stably(request: pytest.FixtureRequest, scene: Scene) -> None:
+def test_the_tool_rests_stably(scene: Scene) -> None:
     """Its weight acts between the tip and the farthest point it lies on, along its axis."""
-    if scene.name in UNSTABLE:
-        mark = pytest.mark.xfail(reason=UNSTABLE[scene.name], strict=True)
-        request.applymarker(mark)
     turn = scene.rest_rotation.as_matrix()
     points, radii = scene.tool.support_points()
     levers = (points - scene.tool.pivot_in_tool) @ turn.T
@@ -100,6 +91,8 @@ def test_a_lift_raises_the_handle_by_its_pitch(scene: Scene) -> None:
 
 
 def test_first_two_contacts_face_each_other_across_the_handle(scene: Scene) -> None:
+    if scene.yaml.startswith("# Found by"):
+        pytest.skip("the search may choose contacts that do not face each other")
     phase = scene.gaits["default"][0]
     assert isinstance(phase, LiftPhase)
     first, second = (scene.contacts[name] for name in phase.contacts)

@@ -90,14 +90,15 @@ def test_quintic_lift_keeps_the_rate_of_force(moment: Fixture, planned: Fixture,
 
 
 def test_a_lift_too_fast_for_the_rate_says_so(moment: Fixture, planned: Fixture) -> None:
-    # thumb and index finger of the wrench mirror each other: both must change as they do, so
-    # that no allocation has a smaller largest rate
-    loose, _ = planned("wrench", 0)
+    # thumb and index finger of the wrench shall mirror each other: both must change as they do,
+    # so that no allocation has a smaller largest rate
+    facing = ("along_m: 0.024", "along_m: 0.020"), ("min: 1.0", "min: 0.5")
+    loose, _ = planned("wrench", 0, *facing)
     thumb, index = (largest_rate(loose, each) for each in ("thumb", "index"))
     assert thumb == pytest.approx(index, rel=1e-6)
     rate = ("force_rate_max_N_s: 20", f"force_rate_max_N_s: {0.99 * thumb:.9f}")
     with pytest.raises(InfeasibleError, match="force rate") as caught:
-        moment("wrench", 0, rate).plan()
+        moment("wrench", 0, *facing, rate).plan()
     assert "more time" in caught.value.mend
 
 
