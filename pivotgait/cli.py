@@ -356,6 +356,46 @@ def feasibility(
 
 
 @app.command()
+def search(
+    scene: SceneArgument,
+    goal: Annotated[
+        str,
+        typer.Option(
+            help="Wanted grasp: contacts of the scene or places like `index@0.03/180` (metres "
+            "along the handle, degrees around it), all of them and no others; `power-grasp`, "
+            "`power-grasp by thumb within 0.05 m`: a finger opposes two, and the palm is that near "
+            "to the handle's axis; `lifted off by thumb_top and middle_below`, or by fingers.",
+        ),
+    ],
+    first: Annotated[
+        str | None, typer.Option(help="Contacts that lift the tool; else any two.")
+    ] = None,
+    seed: Seed = 0,
+    out: Annotated[Path | None, typer.Option("--out", help="Scene file to write.")] = None,
+    sequences: Annotated[
+        int, typer.Option(min=1, max=100, help="Find so many and take the cheapest.")
+    ] = 1,
+    time_limit: Annotated[
+        float, typer.Option(min=1.0, max=86400.0, help="End after this time [s].")
+    ] = 60.0,
+    hand: Hand = True,
+    json: Json = False,
+    debug: Debug = False,
+) -> int:
+    """Find contacts and an order of gaits that lead to a wanted grasp, as a scene that replays.
+
+    Examples: `pivotgait search knife --goal 'thumb_spine, middle_flat, index_edge_near'`,
+    `pivotgait search knife --goal power-grasp --out power.yaml`, then `pivotgait plan power.yaml`,
+    `pivotgait search knife --goal 'thumb@0.04/0, index@0.05/180, middle@0.03/180' --seed 1`
+    """
+    from pivotgait.commands.output import Output
+    from pivotgait.commands.searching import SearchRequest, run_search
+
+    request = SearchRequest(goal, first, seed, out, sequences, time_limit, hand)
+    return run_search(scene, request, Output(json))
+
+
+@app.command()
 def report(
     folder: Annotated[Path, typer.Argument(help="Folder of a run or of a sweep.")],
     json: Json = False,

@@ -33,6 +33,7 @@ LAYERS = (
     "validation",
     "pytest_plugin",
     "feasibility",
+    "gait_search",
     "sweeps",
     "plotting",
     "reporting",

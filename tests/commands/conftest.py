@@ -47,9 +47,10 @@ def call(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
 
 @pytest.fixture(scope="session")
 def small_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The wrench's scene with fewer steps and without its last phase."""
-    lines = export_scene("wrench").splitlines()
-    last = next(k for k, line in enumerate(lines) if "contact: index_side_far, dur" in line)
+    """The wrench's scene with fewer steps, without its last phase and its hand."""
+    lines = [each for each in export_scene("wrench").splitlines() if "kind: relocation" not in each]
+    del lines[lines.index("robot:") : lines.index("contacts:")]
+    last = next(k for k, line in enumerate(lines) if "contact: index_side_near, dur" in line)
     del lines[last]
     text = "\n".join(lines) + "\n"
     for old, new in (("steps: 75", "steps: 30"), ("steps: 40", "steps: 10"), (" 64", " 24")):
