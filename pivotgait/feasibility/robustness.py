@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -165,15 +166,15 @@ def _sensing_share(
 
 
 @dataclass(frozen=True, eq=False)
-class _Error:
+class _Error(ABC):
     """An error in the data: a family of grasps with one number each, from ``start`` on."""
 
     start: Array | float
     limit: Array | float
 
+    @abstractmethod
     def apply(self, fields: Fields, value: Array) -> None:
         """Change the fields (N, ...) of the trials with these values (N,)."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True, eq=False)
