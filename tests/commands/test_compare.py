@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from pivotgait.gaits import plan_gait
-from pivotgait.models import load_scene
+from pivotgait.models import export_scene, parse_scene
 from pivotgait.plans import write_plan
 from pivotgait.validation import CompareOptions, RunOptions
 
@@ -27,10 +26,12 @@ LEFT = {
 
 @pytest.fixture(scope="module")
 def lift(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Plan file of the knife's lift."""
-    plan = plan_gait(load_scene("knife"))
+    """Plan file of a gait that is the knife's lift alone."""
+    whole = export_scene("knife").splitlines(keepends=True)
+    end = next(k for k, line in enumerate(whole) if "kind: lift" in line)
+    plan = plan_gait(parse_scene("".join(whole[: end + 1])))
     path = tmp_path_factory.mktemp("lift") / "plan.h5"
-    write_plan(replace(plan, phases=plan.phases[:1]), path)
+    write_plan(plan, path)
     return path
 
 

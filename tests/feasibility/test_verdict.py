@@ -35,8 +35,9 @@ CASES = {
     "slippery handle": Case({"contacts.*.friction": 0.25}),
     "heavy knife": Case({"tool.mass_scale": 4.0}),
     "weak fingers": Case({"contacts.*.normal_force_N.max": 1.2}),
-    "slippery table": Case({"table.friction": 0.02}, phase="03_removal"),
-    "contact on the far side": Case({"contacts.middle_flat.around_deg": -90.0}, phase="03_removal"),
+    "contact on the far side": Case(
+        {"contacts.middle_flat.around_deg": -90.0}, phase="03_removal", kinds=("normal_min",)
+    ),
     "no pivoting": Case(turn_max_deg=0.0, phase="03_removal", kinds=("turn",)),
     "rolled lift": Case({"tool.roll_deg": 60.0}, phase="03_removal"),
     "hard to press": Case({"table.normal_force_N.min": 1.5}, kinds=("normal_min",)),
@@ -52,7 +53,6 @@ SLOW = (
     "rolled lift",
     "hasty lift",
     "hasty addition",
-    "slippery table",
     "slippery handle",
     "heavy knife",
     "weak fingers",
