@@ -52,7 +52,8 @@ def main(quick: bool = False, out: Path = OUT) -> dict[str, Any]:
         )
         title = f"{each['scene']}: {each['finger']} leaves"
         label = "friction of the fingers $\\mu_H$ [-]"
-        panels.append(Panel(title, label, TURN_LABEL, curves, y_range=(-1.0, None)))
+        above = title.replace(": ", "\n")
+        panels.append(Panel(above, label, TURN_LABEL, curves, y_range=(-1.0, None)))
         excess = planned - least
         console.print(
             f"{title}: {np.nanmin(least):.1f} to {np.nanmax(least):.1f} deg; planned removals "

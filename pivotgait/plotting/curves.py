@@ -86,26 +86,35 @@ def curve_panels(rows: Sequence[Sequence[Panel]], *, height: float = 2.1) -> Any
                 look["lw"] = max(2.2 - 0.7 * k, 0.8)  # so that curves that coincide are all seen
                 drawn = at.plot(curve.x, curve.y, marker=curve.marker or None, **look)
                 handles.setdefault(curve.label, drawn[0])
-            _finish(at, panel, first=at is axes[0], last=panels is rows[-1])
+            _finish(at, panel, first=at is axes[0])
+    _label_across(figure, rows[-1], every[-1])
     if len(labels) > 1:
         figure.legend(
             handles.values(),
             handles.keys(),
-            loc="outside lower center",
+            loc="outside upper center",
             ncols=min(len(labels), 2 if columns == 1 else 5),
             frameon=False,
         )
     return figure
 
 
-def _finish(axes: Any, panel: Panel, *, first: bool, last: bool) -> None:
+def _label_across(figure: Any, panels: Sequence[Panel], row: Any) -> None:
+    """Label the lowest row: once for all panels where they share the quantity, so that narrow
+    panels' labels do not run into one another."""
+    if len(panels) > 1 and len({panel.x for panel in panels}) == 1:
+        figure.supxlabel(panels[0].x, fontsize=row[0].xaxis.label.get_fontsize())
+        return
+    for panel, axes in zip(panels, row, strict=True):
+        axes.set_xlabel(panel.x)
+
+
+def _finish(axes: Any, panel: Panel, *, first: bool) -> None:
     axes.set_title(panel.title)
     if panel.limit is not None:
         axes.axhline(panel.limit, color=LIMIT_COLOUR, lw=0.9, ls=(0, (4, 2)))
     if panel.y_range is not None:
         axes.set_ylim(panel.y_range)
-    if last:
-        axes.set_xlabel(panel.x)
     if first:
         axes.set_ylabel(panel.y)
 
