@@ -47,17 +47,51 @@ def roc_interval(
     return low, high
 
 
+def chance(score: Array, failed: Array, rng: np.random.Generator, *, draws: int = 10_000) -> float:
+    """Share of shuffled outcomes whose ROC area is at least as large; NaN without both kinds.
+
+    The p-value of a permutation test that the score says nothing about failure; the outcomes as
+    they are count as one of the shuffles, so that it is never zero.
+    """
+    bad, good = float(failed.sum()), float(len(failed) - failed.sum())
+    if not (bad and good):
+        return float("nan")
+    ranks = rankdata(-score)
+    picks = np.argsort(rng.random((draws, len(score))), axis=1)[:, : int(bad)]
+    # the area grows with the sum of the failed trials' ranks
+    shuffled = ranks[picks].sum(axis=1)
+    least = float(ranks[failed == 1.0].sum())
+    return (1.0 + float(np.sum(shuffled >= least - 1e-9))) / (1.0 + draws)
+
+
+MARGINS = ("margin", "held_margin", "sensed_margin_N")
+"""Of a trial, see ``trial_margins.py``."""
+QUANTITIES = {
+    "finger_friction_scale": 1,
+    "table_friction_scale": 1,
+    "mass_scale": -1,
+    "offset_m": -1,
+    "sensing_gain_error": -1,
+    "sensing_angle_deg": -1,
+    "errors_size": -1,
+}
+"""Single quantities of a draw, each with the sign with which one would guess failures from it."""
+
+
 def prediction(rows: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:
-    """ROC area of either margin and of each single quantity, its sign as one would guess it."""
+    """ROC area, its interval and its chance without any bearing, of margins and quantities."""
     run = [each for each in rows if each["failure"] not in NO_RUN]
     failed = np.array([0.0 if each["passed"] else 1.0 for each in run])
-    signs = {"margin": 1, "held_margin": 1, "finger_friction_scale": 1, "table_friction_scale": 1}
-    signs |= {"mass_scale": -1, "offset_m": -1, "sensing_gain_error": -1, "sensing_angle_deg": -1}
     found = {}
-    for name, sign in signs.items():
+    for name, sign in (dict.fromkeys(MARGINS, 1) | QUANTITIES).items():
         score: Array = sign * np.array([each[name] for each in run], dtype=float)
         false, true, area = roc(score, failed)
         interval = roc_interval(score, failed, np.random.default_rng(0)) if run else (np.nan,) * 2
-        curve = {"false": false.tolist(), "true": true.tolist()}
-        found[name] = {"area": area, "interval_95": list(interval), **curve}
+        found[name] = {
+            "area": area,
+            "interval_95": list(interval),
+            "p_value": chance(score, failed, np.random.default_rng(0)),
+            "false": false.tolist(),
+            "true": true.tolist(),
+        }
     return found

@@ -17,6 +17,7 @@ _SHOWN = {
     "friction_drop": ("friction lower", "%"),
     "finger_friction_drop": ("  fingers' only", "%"),
     "table_friction_drop": ("  table's only", "%"),
+    "torsion_drop": ("torsion lower", "%"),
     "mass_increase": ("mass higher", "%"),
     "mass_decrease": ("mass lower", "%"),
     "sensing_share": ("sensing error", ""),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.markup import escape
 
@@ -17,8 +18,12 @@ from pivotgait.plans import GaitPlan
 from pivotgait.sweeps.folder import MANIFEST
 from pivotgait.validation import TrialOptions, TrialResult, TrialSet, run_trials, write_record
 
+if TYPE_CHECKING:
+    from pivotgait.reporting import Report
+
 _FILES = (
     "report.html",
+    "report.pdf",
     "summary.json",
     "view.html",
     "run_view.html",
@@ -81,10 +86,10 @@ def run_all(
     if view:
         _write_views(planned.plan, folder, out)
     with out.progress("drawing the report", 1) as bar:
-        page = report_from_folder(folder)
+        report = report_from_folder(folder)
         bar.advance(bar.task_ids[0])
-    out.say(f"report: {escape(str(page))}")
-    out.emit({**summary, "report": str(page)})
+    _show(report, out)
+    out.emit({**summary, **_paths(report)})
     nominal = found.get("validation")
     failed = nominal is not None and nominal.passed < len(nominal.results)
     return 0 if planned.certificate.valid and not failed else 1
@@ -114,20 +119,22 @@ def run_report(folder: Path, out: Output) -> int:
         there = False
     if not there:
         raise InputError("is not a folder", where=str(folder)[:80], mend="give the --out of a run")
-    if (folder / MANIFEST).exists():
-        with out.progress("drawing the report", 1) as bar:
-            report = report_from_sweep(folder)
-            bar.advance(bar.task_ids[0])
-        out.say(f"report: {escape(str(report.page))}")
-        out.say(f"as PDF: {escape(str(report.pdf))}")
-        out.emit({"report": str(report.page), "pdf": str(report.pdf)})
-        return 0
+    write = report_from_sweep if (folder / MANIFEST).exists() else report_from_folder
     with out.progress("drawing the report", 1) as bar:
-        page = report_from_folder(folder)
+        report = write(folder)
         bar.advance(bar.task_ids[0])
-    out.say(f"report: {escape(str(page))}")
-    out.emit({"report": str(page)})
+    _show(report, out)
+    out.emit(_paths(report))
     return 0
+
+
+def _show(report: Report, out: Output) -> None:
+    out.say(f"report: {escape(str(report.page))}")
+    out.say(f"as PDF: {escape(str(report.pdf))}")
+
+
+def _paths(report: Report) -> dict[str, str]:
+    return {"report": str(report.page), "pdf": str(report.pdf)}
 
 
 def _carry_out(

@@ -8,21 +8,27 @@ from pathlib import Path
 
 from pivotgait.models import Scene, revise_scene
 from pivotgait.models.parameters import (
+    EFFORT_SCALE,
     MASS_SCALE,
     Fields,
     Place,
     Value,
     places_of,
     set_values,
+    with_scaled_efforts,
     with_scaled_mass,
 )
+
+_SCALES = {MASS_SCALE: with_scaled_mass, EFFORT_SCALE: with_scaled_efforts}
+"""Parameters that are no fields of the scene: 1 as it is."""
 
 
 class Variants:
     """Scenes that differ from one in the values of some parameters.
 
     See :func:`pivotgait.models.parameters.places_of` for the parameters' names; besides,
-    ``tool.mass_scale`` is a factor of mass and inertia.
+    ``tool.mass_scale`` is a factor of mass and inertia, ``robot.effort_scale`` one of the torque
+    limits of all joints.
 
     Args:
         scene: to start from.
@@ -41,7 +47,7 @@ class Variants:
         Raises:
             UnknownNameError, SceneError: see :meth:`scene_with`.
         """
-        if parameter == MASS_SCALE:
+        if parameter in _SCALES:
             return 1.0
         node = json.loads(self._fields)
         for key in self._places_of(parameter)[0]:
@@ -57,14 +63,16 @@ class Variants:
             UnknownNameError: no such parameter; lists the keys at the place of the first
                 unknown one.
         """
-        scene, named = self.scene, {k: v for k, v in changes.items() if k != MASS_SCALE}
+        scene, named = self.scene, {k: v for k, v in changes.items() if k not in _SCALES}
         if named:
             fields: Fields = json.loads(self._fields)
             for path, value in named.items():
                 set_values(fields, self._places_of(path), value)
             scene = revise_scene(scene, fields, where=scene.name, folder=self._folder)
-        scale = changes.get(MASS_SCALE, 1.0)
-        return scene if scale == 1.0 else with_scaled_mass(scene, scale)
+        for parameter, scaled in _SCALES.items():
+            scale = changes.get(parameter, 1.0)
+            scene = scene if scale == 1.0 else scaled(scene, scale)
+        return scene
 
     def _places_of(self, path: str) -> tuple[Place, ...]:
         if path not in self._places:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pivotgait.feasibility.carried import CarriedMoments, carried_margins
 from pivotgait.feasibility.moments import Moments
 from pivotgait.feasibility.robustness import RobustMargins, robust_margins
 from pivotgait.feasibility.sensitivity import sensitivity
@@ -104,6 +105,8 @@ class Shallowest:
 
 
 ROBUST = tuple(each.name for each in fields(RobustMargins))
+OF_TABLE = ("table_friction_drop", "lift_off_N", "torque_drop")
+"""Margins that a tool off the table has not; of joints' limits only those of the whole plan."""
 
 
 def gait_margins(
@@ -114,8 +117,11 @@ def gait_margins(
     lift_off: Margin | None = None,
     torque: LargestShare | None = None,
     volume_rng: np.random.Generator | None = None,
+    carried: Sequence[CarriedMoments] = (),
 ) -> GaitMargins:
     """Robust margins of some moments of each phase, and the ball at each phase's end.
+
+    Off the table there is no ball.
 
     Args:
         moments: of the phases in order.
@@ -124,22 +130,24 @@ def gait_margins(
         lift_off: the same for the table's normal force.
         torque: the same for the joints.
         volume_rng: of the rays that measure the volume; None leaves it out.
+        carried: moments of the transfers, after all others.
     """
     by_phase: dict[str, dict[str, float | None]] = {}
     robust: dict[str, At] = {}
     balls: list[tuple[WrenchBall, Moments]] = []
     for some in moments:
-        found, here = robust_margins(some.grasps), by_phase.setdefault(some.phase, {})
-        for name in ROBUST:
-            at = _smallest(getattr(found, name), some)
-            here[name] = at.value
-            known = robust.get(name)
-            if known is None or _order(at) < _order(known):
-                robust[name] = at
+        here = by_phase.setdefault(some.phase, {})
+        _keep(robust_margins(some.grasps), some, here, robust, ("torsion_drop",))
         last = some.grasps.take(np.array([some.grasps.count - 1]))
         ball = wrench_ball(last, length_m)
         here["wrench_ball_N"] = ball.radius_N
         balls.append((ball, some))
+    for each in carried:
+        here = by_phase.setdefault(each.phase, {})
+        _keep(carried_margins(each), each, here, robust, OF_TABLE)
+        here["wrench_ball_N"] = None
+    for name in ROBUST if by_phase else ():
+        robust.setdefault(name, At(None, next(iter(by_phase)), 0.0))
     if not balls:
         return GaitMargins(friction, lift_off, {}, {}, None, None, torque)
     ball, some = min(balls, key=lambda each: each[0].radius_N)
@@ -149,6 +157,27 @@ def gait_margins(
     return GaitMargins(
         friction, lift_off, robust, by_phase, (ball, at), volume, torque, _shallowest(moments)
     )
+
+
+def _keep(
+    found: RobustMargins,
+    some: Moments | CarriedMoments,
+    here: dict[str, float | None],
+    robust: dict[str, At],
+    absent: Sequence[str],
+) -> None:
+    """Note the smallest margins of a phase, and those that are the smallest so far.
+
+    Those that are ``absent``, since nothing of the kind is there, are not small.
+    """
+    for name in ROBUST:
+        at = _smallest(getattr(found, name), some)
+        here[name] = at.value
+        if name in absent:
+            continue
+        known = robust.get(name)
+        if known is None or _order(at) < _order(known):
+            robust[name] = at
 
 
 def _shallowest(moments: Sequence[Moments]) -> Shallowest | None:
@@ -166,7 +195,7 @@ def _shallowest(moments: Sequence[Moments]) -> Shallowest | None:
     return Shallowest(At(depth, some.phase, float(some.time_s[k])), slopes)
 
 
-def _smallest(values: Any, some: Moments) -> At:
+def _smallest(values: Any, some: Moments | CarriedMoments) -> At:
     """The least value, None where it is missing or without bound."""
     known = np.where(np.isnan(values), -np.inf, values)
     k = int(np.argmin(known))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pivotgait.dynamics import PivotingTool, required_wrench
-from pivotgait.feasibility.grasps import Grasps
+from pivotgait.feasibility.grasps import Grasps, Index
 from pivotgait.forces import AllocationProblem, LinearRows
 from pivotgait.frozen import Array
 from pivotgait.margins import phase_margins, smallest_of_phase
@@ -38,6 +38,14 @@ class Moments:
     torque_limits: bool = False
 
 
+def telling_samples(phase: Phase) -> Index:
+    """Places of the middle of a phase, of its weakest moment by friction, and of its end."""
+    margin = smallest_of_phase(phase_margins(phase), ("friction",))
+    weakest = 0 if margin is None else int(np.argmin(np.abs(phase.time - margin.time_s)))
+    last = len(phase.time) - 1
+    return np.unique([last // 2, weakest, last])
+
+
 def moments_of(phase: Phase, body: PivotingTool, robot: Robot | None = None) -> Moments:
     """The middle of a phase, its weakest moment by friction, and its end.
 
@@ -46,11 +54,8 @@ def moments_of(phase: Phase, body: PivotingTool, robot: Robot | None = None) -> 
         body: the tool.
         robot: whose torque limits count too.
     """
-    margin = smallest_of_phase(phase_margins(phase), ("friction",))
-    weakest = 0 if margin is None else int(np.argmin(np.abs(phase.time - margin.time_s)))
-    last = len(phase.time) - 1
-    at = np.unique([last // 2, weakest, last])
-    motion = _taken(phase.tool, at)
+    at = telling_samples(phase)
+    motion = taken(phase.tool, at)
     names = (PIVOT, *(name for name in phase.contacts if name != PIVOT))
     tracks = [phase.contacts[name] for name in names]
     points = np.stack([track.world_point(phase.tool)[at] for track in tracks], axis=1)
@@ -75,7 +80,7 @@ def moments_of(phase: Phase, body: PivotingTool, robot: Robot | None = None) -> 
             for track in tracks[1:]
         ]
         rows = _every_joint(
-            torque_rows(robot, _taken(phase.robot, at), motion, fingers, reserve=SPARED)
+            torque_rows(robot, taken(phase.robot, at), motion, fingers, reserve=SPARED)
         )
     count = len(at)
     problem = AllocationProblem(
@@ -100,7 +105,7 @@ def _every_joint(rows: LinearRows) -> LinearRows:
     return LinearRows(rows.matrix, middle - whole, middle + whole)
 
 
-def _taken(motion: Any, at: Any) -> Any:
+def taken(motion: Any, at: Index) -> Any:
     """A tool's or robot's motion at some samples."""
     kind = type(motion)
     assert kind in (ToolMotion, RobotMotion)

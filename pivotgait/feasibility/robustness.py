@@ -39,7 +39,9 @@ class RobustMargins(FrozenArrays):
             which forces exist [-]: equals the best smallest friction margin of any allocation.
             Negative where friction has to grow, minus infinity where that does not help.
         finger_friction_drop: (B,) the same for the fingers' friction alone.
-        table_friction_drop: (B,) the same for the table's friction alone.
+        table_friction_drop: (B,) the same for the table's friction alone; NaN without a table.
+        torsion_drop: (B,) the same for the torsional friction of soft fingertips alone; NaN for
+            points.
         mass_increase: (B,) largest relative error e >= 0 of the mass, the load being (1 + e) times
             the assumed one [-]; at most 9.
         mass_decrease: (B,) the same for a lighter tool; at most 1, no load at all.
@@ -56,6 +58,7 @@ class RobustMargins(FrozenArrays):
     friction_drop: Array
     finger_friction_drop: Array
     table_friction_drop: Array
+    torsion_drop: Array
     mass_increase: Array
     mass_decrease: Array
     lift_off_N: Array
@@ -96,14 +99,15 @@ def robust_margins(grasps: Grasps, force: Array | None = None) -> RobustMargins:
     least = rest[: int((~table).sum())]
     nothing = np.full(grasps.count, np.nan)
     return RobustMargins(
-        friction_drop=_drop(edges[0]),
-        finger_friction_drop=_drop(edges[1]),
-        table_friction_drop=_drop(edges[2]),
+        friction_drop=drop_of(edges[0]),
+        finger_friction_drop=drop_of(edges[1]),
+        table_friction_drop=drop_of(edges[2]),
+        torsion_drop=nothing,
         mass_increase=edges[3],
         mass_decrease=np.abs(edges[4]),
         lift_off_N=(most - low.T)[table].sum(axis=0) if table.any() else nothing,
         sensing_share=_sensing_share(grasps, wanted, ~table, least, most[~table]),
-        torque_drop=_drop(edges[-1]) if limited else nothing,
+        torque_drop=drop_of(edges[-1]) if limited else nothing,
     )
 
 
@@ -111,10 +115,10 @@ def friction_drop(grasps: Grasps) -> Array:
     """(B,) the ``friction_drop`` of :class:`RobustMargins` alone; also for infeasible grasps."""
     every = np.ones(len(grasps.names), dtype=bool)
     factor = _FrictionFactor(np.log(LARGEST_FACTOR), np.log(LEAST_FACTOR), every)
-    return _drop(_edges(grasps, [factor])[0])
+    return drop_of(_edges(grasps, [factor])[0])
 
 
-def _drop(logarithm: Array) -> Array:
+def drop_of(logarithm: Array) -> Array:
     """Relative loss of a limit from the logarithm of the least factor that suffices."""
     drop = np.where(logarithm <= np.log(LEAST_FACTOR), 1.0, 1.0 - np.exp(logarithm))
     return np.where(np.isnan(logarithm), -np.inf, drop)

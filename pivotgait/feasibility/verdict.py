@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from pivotgait.exceptions import InfeasibleError, InputError, UnknownNameError
+from pivotgait.feasibility.carried import carried_moments
 from pivotgait.feasibility.changes import Variants
 from pivotgait.feasibility.gait_margins import GaitMargins, gait_margins
 from pivotgait.feasibility.mend_lines import SceneMend
@@ -129,7 +130,7 @@ def judge(
     tell("forces of every phase")
     found = rehearse(scene, scene.gaits[gait], turn_max_deg=limit)
     if found.obstacle is None and options.hand and scene.robot is not None:
-        return _with_hand(scene, gait, found, options, tell)
+        return _with_hand(variants, gait, changes or {}, found, options, tell)
     mends: tuple[SceneMend, ...] = ()
     if found.obstacle is not None and options.mends > 0:
         search = MendSearch(variants, gait, changes or {}, limit)
@@ -139,20 +140,47 @@ def judge(
 
 
 def _with_hand(
-    scene: Scene, gait: str, found: Rehearsal, options: VerdictOptions, tell: Tell
+    variants: Variants,
+    gait: str,
+    changes: Mapping[str, Value],
+    found: Rehearsal,
+    options: VerdictOptions,
+    tell: Tell,
 ) -> Verdict:
     from pivotgait.gaits import plan_gait  # loads the planners of the hand
 
+    scene = variants.scene_with(changes)
     tell("the hand's motion")
     try:
         plan = plan_gait(scene, gait=gait, seed=options.seed)
     except InfeasibleError as error:
-        kind = "torque" if "torque" in error.what else "hand"
         verdict = _assembled(scene, found, (), options)
+        kind = "torque" if "torque" in error.what else "hand"
         binding = Binding(kind, "", error.where, 0.0, str(error))
-        return replace(verdict, feasible=False, binding=binding)
+        verdict = replace(verdict, feasible=False, binding=binding)
+        weak = kind == "torque" and options.mends > 0
+        return _mended(verdict, variants, gait, changes, options, tell) if weak else verdict
     tell("margins")
     return _assembled(scene, replace(found, phases=plan.phases), (), options, plan)
+
+
+def _mended(
+    verdict: Verdict,
+    variants: Variants,
+    gait: str,
+    changes: Mapping[str, Value],
+    options: VerdictOptions,
+    tell: Tell,
+) -> Verdict:
+    """A verdict on joints that are too weak, with the one that binds and what mends it."""
+    from pivotgait.feasibility.torque_mends import torque_need
+
+    need = torque_need(variants, gait, changes, options.seed, tell)
+    if need is None:
+        return verdict
+    share, text = need.share, verdict.binding.text
+    binding = Binding("torque", share.joint, share.phase, share.time_s, text)
+    return replace(verdict, binding=binding, mends=(need.mend,))
 
 
 def _assembled(
@@ -163,9 +191,9 @@ def _assembled(
     plan: GaitPlan | None = None,
 ) -> Verdict:
     body, robot = Setting.of(scene).body, scene.robot if plan is not None else None
-    # Robust margins are those of point contacts on a table: off it there are none.
     on_table = [phase for phase in found.phases if phase.kind != "transfer"]
     moments = [moments_of(phase, body, robot) for phase in on_table]
+    off_it = [phase for phase in found.phases if phase.kind == "transfer"]
     obstacle = found.obstacle
     if obstacle is not None and obstacle.grasp is not None:
         whole = obstacle.grasp.friction / (1.0 - scene.allocation.friction_reserve)
@@ -178,6 +206,7 @@ def _assembled(
         lift_off=_least(found.phases, "lift_off"),
         torque=None if plan is None else largest_share(plan, "torque"),
         volume_rng=np.random.default_rng(options.seed) if options.volume else None,
+        carried=[carried_moments(phase, body) for phase in off_it],
     )
     return Verdict(obstacle is None, _binding(obstacle, margins), mends, margins, found.phases)
 

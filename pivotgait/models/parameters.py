@@ -7,7 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 from pivotgait.exceptions import SceneError, UnknownNameError
+from pivotgait.models.robot_parts import write
 from pivotgait.models.scene import Scene
+from pivotgait.models.urdf.nodes import read_nodes
 
 Value = float | str
 Fields = dict[str, Any]
@@ -15,6 +17,8 @@ Place = tuple[str | int, ...]
 
 MASS_SCALE = "tool.mass_scale"
 """The one parameter that is no field of the scene: factor of the tool's mass and inertia."""
+EFFORT_SCALE = "robot.effort_scale"
+"""Factor of the torque limits of all joints; a parameter of verdicts, not of sweeps and maps."""
 PHASES = ("lift", "addition", "removal", "relocation")
 LIFT_TARGET = {f"tool.{each}": f"lift.to.{each}" for each in ("pitch_deg", "roll_deg", "yaw_deg")}
 HIDDEN = ("schema", "name", "description", "gaits", "tool")
@@ -88,6 +92,27 @@ def with_scaled_mass(scene: Scene, scale: Value) -> Scene:
         raise SceneError(what, where=MASS_SCALE, mend="give 1.2 for a tool that is 20 % heavier")
     tool = scene.tool
     return replace(scene, tool=replace(tool, mass=scale * tool.mass, inertia=scale * tool.inertia))
+
+
+def with_scaled_efforts(scene: Scene, scale: Value) -> Scene:
+    """The scene with stronger or weaker joints, in the robot's URDF too.
+
+    Raises:
+        SceneError: a factor that is no positive number, or a scene without a robot.
+    """
+    if isinstance(scale, str) or not 0.0 < scale < float("inf"):
+        what, mend = f"must be a number > 0, got {scale}", "give 1.2 for joints 20 % stronger"
+        raise SceneError(what, where=EFFORT_SCALE, mend=mend)
+    robot = scene.robot
+    if robot is None:
+        what, mend = "the scene has no robot", "choose another parameter"
+        raise SceneError(what, where=EFFORT_SCALE, mend=mend)
+    root = read_nodes(robot.urdf, where="robot.urdf")
+    for joint in root.all("joint"):
+        for limit in joint.all("limit"):
+            limit.attributes["effort"] = repr(scale * float(limit.attributes["effort"]))
+    stronger = replace(robot, urdf=write(root), effort_max=scale * robot.effort_max)
+    return replace(scene, robot=stronger)
 
 
 def _more(depth: int) -> tuple[str, ...]:

@@ -18,6 +18,13 @@ WIDTH_IN, HEIGHT_IN, MARGIN_IN = 8.27, 11.69, 0.9
 """A4 [in]."""
 _POINT = 1.0 / 72.0
 _ROOM = WIDTH_IN - 2.0 * MARGIN_IN
+_LETTER, _GAP = 0.58, 2
+"""Mean width of a letter over its size, with room to spare; letters between columns."""
+_TABLE_SIZE, _SMALL_SIZE = 8.0, 6.5
+_NARROW = 24
+"""Letters to which columns are broken before the print shrinks."""
+_BELOW, _ABOVE = 60.0 * _POINT, 100.0 * _POINT
+"""Room for a picture's caption, and for a heading with a short text above one."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +53,17 @@ class TableBlock:
 
 @dataclass(frozen=True)
 class PictureBlock:
-    """A bitmap (PNG) ``width`` wide [in] with its caption."""
+    """A bitmap (PNG) with its caption, made smaller where it has no room on a page.
+
+    Attributes:
+        png: the file's bytes.
+        caption: below it.
+        dpi: pixels of an inch.
+    """
 
     png: bytes
     caption: str
-    width: float
+    dpi: float
 
 
 Block = Heading | Paragraph | TableBlock | PictureBlock
@@ -63,8 +76,8 @@ def document_pdf(blocks: Sequence[Block], *, title: str) -> bytes:
     metadata = {"Title": title, "CreationDate": None, "ModDate": None}
     with PdfPages(target, metadata=metadata) as pages:
         paper = _Paper(pages)
-        for block in blocks:
-            paper.put(block)
+        for place, block in enumerate(blocks):
+            paper.put(block, _with_it(blocks[place + 1 : place + 3]))
         paper.turn()
     return target.getvalue()
 
@@ -76,12 +89,17 @@ class _Paper:
         self._pages, self._number = pages, 0
         self._start()
 
-    def put(self, block: Block) -> None:
-        """Add a block below the last one, on a new page where it has no room."""
+    def put(self, block: Block, keep: float = 0.0) -> None:
+        """Add a block below the last one, on a new page where it has no room.
+
+        Args:
+            block: to be added.
+            keep: height that a heading shares its page with [in].
+        """
         if isinstance(block, Heading):
             size = 16.0 if block.level == 1 else 11.0
             self._space(9.0 * (self._at > MARGIN_IN))
-            self._lines(block.text, size, weight="bold", keep=60.0)
+            self._lines(block.text, size, weight="bold", keep=max(60.0, keep / _POINT))
         elif isinstance(block, Paragraph):
             self._lines(block.text, 7.0 if block.fixed else 9.0, fixed=block.fixed)
         elif isinstance(block, TableBlock):
@@ -135,29 +153,31 @@ class _Paper:
             self._space(1.35 * size)
 
     def _table(self, table: TableBlock) -> None:
-        size = 8.0
-        widths = [
-            max(len(row[k]) for row in (table.head, *table.rows)) for k in range(len(table.head))
-        ]
-        letter = min(0.6 * size * _POINT, _ROOM / (sum(widths) + 2.0 * len(widths)))
-        for k, row in enumerate((table.head, *table.rows)):
-            self._need(1.6 * size * _POINT)
-            left = MARGIN_IN
-            for place, (cell, width) in enumerate(zip(row, widths, strict=True)):
-                span = (width + 2) * letter
+        every = (table.head, *table.rows)
+        widths, size = _columns(every)
+        for k, row in enumerate(every):
+            # a no-break space is for a narrow screen
+            cells = [
+                textwrap.wrap(cell.replace("\N{NO-BREAK SPACE}", " "), width) or [""]
+                for cell, width in zip(row, widths, strict=True)
+            ]
+            lines = max(map(len, cells))
+            self._need((1.25 * lines + 0.35) * size * _POINT)
+            left, top = MARGIN_IN, self._at
+            for place, (cell, width) in enumerate(zip(cells, widths, strict=True)):
+                span = (width + _GAP) * _LETTER * size * _POINT
                 look: dict[str, Any] = {"weight": "bold" if k == 0 else "normal"}
-                if place:
-                    self._text(left + span - letter, self._at, cell, size, ha="right", **look)
-                else:
-                    self._text(left, self._at, cell, size, **look)
+                look |= {"ha": "right" if place else "left"}
+                x = left + span - _LETTER * size * _POINT if place else left
+                for line, text in enumerate(cell):
+                    self._text(x, top + 1.25 * line * size * _POINT, text, size, **look)
                 left += span
-            self._space(1.6 * size)
+            self._space((1.25 * lines + 0.35) * size)
 
     def _picture(self, block: PictureBlock) -> None:
         image = imread(BytesIO(block.png))
-        width = min(block.width, _ROOM)
-        height = width * image.shape[0] / image.shape[1]
-        self._need(height + 30.0 * _POINT)
+        width, height = _size(image, block.dpi)
+        self._need(height + _BELOW)
         corner = (WIDTH_IN - width) / 2.0 / WIDTH_IN, 1.0 - (self._at + height) / HEIGHT_IN
         axes = self._figure.add_axes((*corner, width / WIDTH_IN, height / HEIGHT_IN))
         axes.imshow(image, interpolation="none", aspect="auto")
@@ -165,3 +185,34 @@ class _Paper:
         self._at += height
         self._space(4.0)
         self._lines(block.caption, 8.0)
+
+
+def _with_it(following: Sequence[Block]) -> float:
+    """Height of the picture that follows, at once or after a paragraph [in]; else 0."""
+    for block in following:
+        if isinstance(block, PictureBlock):
+            return _size(imread(BytesIO(block.png)), block.dpi)[1] + _BELOW
+        if not isinstance(block, Paragraph):
+            break
+    return 0.0
+
+
+def _size(image: Any, dpi: float) -> tuple[float, float]:
+    """Width and height of a picture that a page has room for, under a heading [in]."""
+    across, tall = image.shape[1] / dpi, image.shape[0] / dpi
+    room = HEIGHT_IN - 2.0 * MARGIN_IN - _BELOW - _ABOVE
+    shrunk = min(1.0, _ROOM / across, room / tall)
+    return shrunk * across, shrunk * tall
+
+
+def _columns(rows: Sequence[tuple[str, ...]]) -> tuple[list[int], float]:
+    """Letters of each column, and the print's size: wide columns are broken, then print shrinks."""
+    widths = [max(1, *(len(row[k]) for row in rows)) for k in range(len(rows[0]))]
+    for narrow, size in ((_NARROW, _TABLE_SIZE), (_NARROW, _SMALL_SIZE), (1, _SMALL_SIZE)):
+        room = int(_ROOM / (_LETTER * size * _POINT)) - _GAP * len(widths)
+        fitted = list(widths)
+        while sum(fitted) > room and max(fitted) > narrow:
+            fitted[fitted.index(max(fitted))] -= 1
+        if sum(fitted) <= room:
+            break
+    return fitted, size

@@ -22,9 +22,11 @@ NAMES = {
     "offset_yaw": "tool off in yaw",
     "handle_growth": "width of handle",
     "margin": "forces free",
-    "held_margin": "forces as sensed",
+    "held_margin": "forces held",
+    "sensed_margin_N": "forces as sensed",
 }
 _DASHES = ("-", "--", ":", "-.")
+_CURVES = ((PIVOT_COLOUR, "-."), (LIMIT_COLOUR, "-"), (FAILED_COLOUR, "--"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +36,7 @@ class MarginPrediction:
     Attributes:
         shares: (k,) of a perturbation's half width, -1 to 1.
         eaten: perturbation -> (k,) margin under it alone.
-        margin: (n,) of each trial's draw.
+        margin: (n,) of each trial's draw, of the forces as sensed [N].
         passed: (n,) 1 or 0.
         curves: score -> false and true positive rates.
         area: score -> area under its ROC curve; NaN where all passed, or all failed.
@@ -77,7 +79,7 @@ def _draw_split(axes: Any, found: MarginPrediction) -> None:
         colours = [PASSED_COLOUR, FAILED_COLOUR]
         axes.hist(groups, bins=bins, stacked=True, color=colours, label=names)
         axes.legend(frameon=False, fontsize=7.0)
-    axes.set_xlabel("margin of the draw [-]")
+    axes.set_xlabel("margin of the forces as sensed [N]")
     axes.set_ylabel("trials")
 
 
@@ -86,8 +88,8 @@ def _draw_curves(axes: Any, found: MarginPrediction) -> None:
     for k, (name, (false, true)) in enumerate(found.curves.items()):
         area = found.area[name]
         known = f"{area:.2f}" if np.isfinite(area) else "–"
-        colour = (LIMIT_COLOUR, FAILED_COLOUR)[k % 2]
-        axes.plot(false, true, color=colour, label=f"{NAMES[name]}: {known}")
+        colour, dashes = _CURVES[k % len(_CURVES)]
+        axes.plot(false, true, color=colour, ls=dashes, label=f"{NAMES[name]}: {known}")
     axes.set_xlabel("passed trials flagged [-]")
     axes.set_ylabel("failed trials flagged [-]")
     axes.set_aspect("equal")

@@ -9,6 +9,9 @@ from typing import Any
 
 from pivotgait.plotting.style import styled
 
+PRINT_DPI, SCREEN_DPI = 300, 150
+"""Of bitmaps, unless told otherwise."""
+
 
 @dataclass(frozen=True)
 class SavedFigure:
@@ -51,8 +54,7 @@ def figure_bytes(figure: Any, form: str, *, dpi: float | None = None) -> bytes:
         "svg": {"metadata": {"Date": None}},
         "webp": {"pil_kwargs": {"quality": 85, "method": 6}},
     }
+    usual = SCREEN_DPI if form in ("svg", "webp") else PRINT_DPI
     target = BytesIO()
-    figure.savefig(
-        target, format=form, dpi=dpi or (150 if form in ("svg", "webp") else 300), **options[form]
-    )
+    figure.savefig(target, format=form, dpi=dpi or usual, **options[form])
     return target.getvalue()

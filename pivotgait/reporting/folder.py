@@ -5,13 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
+from pivotgait.atomic import write_atomically
 from pivotgait.exceptions import InputError
 from pivotgait.plans import GaitPlan, read_plan
 from pivotgait.reporting.comparison import engine_comparison
 from pivotgait.reporting.comparison_figure import draw_comparison
 from pivotgait.reporting.figures import draw_figures
 from pivotgait.reporting.page import write_report
+from pivotgait.reporting.plan_document import plan_pdf
+from pivotgait.reporting.report_files import FIGURES, PDF, Report
 from pivotgait.reporting.run_figures import draw_run_figures
 from pivotgait.reporting.summary import Trials, read_summary, trials_of
 from pivotgait.validation import read_summary as read_record_summary
@@ -29,8 +33,8 @@ _OURS = re.compile(
 """Names of the figures that a report may hold."""
 
 
-def report_from_folder(folder: Path) -> Path:
-    """Draw the figures of ``folder/plan.h5`` and write ``report.html`` beside it.
+def report_from_folder(folder: Path) -> Report:
+    """Draw the figures of ``folder/plan.h5``, write ``report.html`` and ``report.pdf`` beside it.
 
     ``figures/`` gets each figure as PDF and PNG, and loses those of an earlier report.
     ``summary.json``, if there is one, is what ``pivotgait plan --json`` printed (its planning
@@ -40,7 +44,7 @@ def report_from_folder(folder: Path) -> Path:
     ``pivotgait compare -o`` writes. Animated scenes in the folder are linked.
 
     Returns:
-        Path of the page.
+        Paths of the page and of the PDF.
 
     Raises:
         PlanFileError: if there is no plan, or it is damaged.
@@ -52,30 +56,36 @@ def report_from_folder(folder: Path) -> Path:
     run, trials = _run(folder, plan), _trials(folder, plan)
     compared = _compared(folder, plan)
     engines = engine_comparison(compared.found, where=FOUND) if compared else None
+    told: dict[str, Any] = {
+        "plan_times": summary.plan_times,
+        "notes": summary.notes,
+        "run": run,
+        "validations": (*trials, *summary.validations),
+        "engines": engines,
+    }
     try:
-        figures = draw_figures(plan, folder / "figures")
+        figures = draw_figures(plan, folder / FIGURES)
         if run:
-            figures |= draw_run_figures(plan, run, folder / "figures")
+            figures |= draw_run_figures(plan, run, folder / FIGURES)
         if compared:
-            figures |= draw_comparison(plan, compared, folder / "figures")
-        _remove_others(folder / "figures", figures)
+            figures |= draw_comparison(plan, compared, folder / FIGURES)
+        _remove_others(folder / FIGURES, figures)
+        pdf = plan_pdf(plan, plan.certificate, figures, folder / FIGURES, **told)
+        write_atomically(pdf, folder / PDF)
     except OSError as error:
         raise InputError(
             f"cannot be written: {error.strerror}", where=str(folder), mend="check the folder"
         ) from error
-    return write_report(
+    page = write_report(
         folder,
         plan,
         plan.certificate,
         figures,
-        plan_times=summary.plan_times,
-        notes=summary.notes,
-        run=run,
-        validations=(*trials, *summary.validations),
-        engines=engines,
+        **told,
         view=VIEW if (folder / VIEW).is_file() else "",
         run_view=RUN_VIEW if run and (folder / RUN_VIEW).is_file() else "",
     )
+    return Report(page, folder / PDF)
 
 
 def _run(folder: Path, plan: GaitPlan) -> RecordedRun | None:

@@ -13,6 +13,7 @@ from pivotgait.exceptions import InputError
 from pivotgait.plans.plan import GaitPlan
 from pivotgait.reporting.comparison import EngineComparison
 from pivotgait.reporting.rendering import render
+from pivotgait.reporting.report_files import PAGE
 from pivotgait.reporting.robot_rows import clearance, robot_headline, robot_rows
 from pivotgait.reporting.rows import check_rows, phase_rows, violation_rows
 from pivotgait.reporting.run_rows import run_rows
@@ -93,7 +94,7 @@ def write_report(
         view=view,
         run_view=run_view,
     )
-    path = folder / "report.html"
+    path = folder / PAGE
     try:
         folder.mkdir(parents=True, exist_ok=True)
         write_atomically(text.encode(), path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from pivotgait import plotting
@@ -18,29 +17,16 @@ from pivotgait.plotting.document import (
 )
 from pivotgait.reporting.page import Picture
 from pivotgait.reporting.rendering import render
+from pivotgait.reporting.report_files import FIGURES, PAGE, PDF, Report
 from pivotgait.reporting.study_figures import StudyFigure, study_figures
 from pivotgait.reporting.study_methods import methods
 from pivotgait.reporting.study_rows import Table, headline, study_tables
 from pivotgait.sweeps.study_results import StudyResults, study_results
 
-PAGE, PDF, FIGURES = "report.html", "report.pdf", "figures"
 _PICTURE_DPI = 220
 
 
-@dataclass(frozen=True)
-class StudyReport:
-    """Where a report is.
-
-    Attributes:
-        page: the HTML file.
-        pdf: the same as PDF.
-    """
-
-    page: Path
-    pdf: Path
-
-
-def report_from_sweep(folder: Path) -> StudyReport:
+def report_from_sweep(folder: Path) -> Report:
     """Draw a sweep's figures, finished or not, and write ``report.html`` and ``report.pdf``.
 
     ``figures/`` gets each figure as PDF and PNG.
@@ -52,7 +38,7 @@ def report_from_sweep(folder: Path) -> StudyReport:
     results = study_results(folder)
     figures = list(study_figures(results))
     tables = list(study_tables(results))
-    report = StudyReport(folder / PAGE, folder / PDF)
+    report = Report(folder / PAGE, folder / PDF)
     try:
         for each in figures:
             plotting.save_figure(each.figure, folder / FIGURES, each.name)
@@ -92,8 +78,7 @@ def _pdf(results: StudyResults, figures: list[StudyFigure], tables: list[Table])
     ]
     for each in figures:
         png = plotting.figure_bytes(each.figure, "png", dpi=_PICTURE_DPI)
-        width = float(each.figure.get_size_inches()[0])
-        blocks.append(PictureBlock(png, each.caption, width))
+        blocks.append(PictureBlock(png, each.caption, dpi=_PICTURE_DPI))
     for table in tables:
         blocks += [Heading(table.title), TableBlock(table.head, table.rows)]
     blocks += [Heading("Methods"), *(Paragraph(text) for text in methods(results))]

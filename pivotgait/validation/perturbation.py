@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from pivotgait.exceptions import InputError
 from pivotgait.frozen import Array, FrozenArrays
 from pivotgait.models.robot import Robot
 from pivotgait.models.validation_config import ValidationConfig
+
+_SIZE_STREAM = 2
+"""Keeps the size of the errors apart from the draw itself, which uses the seed alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +109,55 @@ class Perturbation(FrozenArrays):
                 delay_s=config.force_delay_s,
             ),
         )
+
+    def enlarged(self, factor: float) -> Perturbation:
+        """The same draw with every error ``factor`` times as large.
+
+        Where the tool lies is planned for, so no error: it stays.
+
+        Raises:
+            InputError: a factor that is negative or leaves no mass, friction or reading.
+        """
+
+        def grown(scale: float) -> float:
+            return 1.0 + factor * (scale - 1.0)
+
+        sensing = ForceSensing(
+            gain={name: grown(gain) for name, gain in self.sensing.gain.items()},
+            turn={name: _part(turn, factor) for name, turn in self.sensing.turn.items()},
+            noise=factor * self.sensing.noise,
+            delay_s=factor * self.sensing.delay_s,
+        )
+        larger = replace(
+            self,
+            offset=factor * self.offset,
+            mass_scale=grown(self.mass_scale),
+            finger_friction_scale=grown(self.finger_friction_scale),
+            table_friction_scale=grown(self.table_friction_scale),
+            handle_growth=factor * self.handle_growth,
+            joint_friction=factor * self.joint_friction,
+            sensing=sensing,
+        )
+        scales = (
+            larger.mass_scale,
+            larger.finger_friction_scale,
+            larger.table_friction_scale,
+            *sensing.gain.values(),
+        )
+        if not factor >= 0.0 or min(scales) <= 0.0:
+            what = f"errors {factor:g} times as large leave no mass, friction or force reading"
+            raise InputError(what, where="perturbation", mend="give a smaller factor, not below 0")
+        return larger
+
+
+def size_of_errors(seed: int, largest: float) -> float:
+    """The factor of a trial's errors: uniform between 1 and ``largest``, by the trial's seed."""
+    return float(np.random.default_rng([seed, _SIZE_STREAM]).uniform(1.0, largest))
+
+
+def _part(turn: Array, factor: float) -> Array:
+    """A rotation about the same axis by ``factor`` times the angle."""
+    return (Rotation.from_matrix(turn) ** factor).as_matrix()
 
 
 def _turn(rng: np.random.Generator, largest_deg: float) -> Array:

@@ -131,6 +131,51 @@ def test_wrong_sensors_change_the_held_margin_alone(margins):
     assert margins.margin(draw, held=True) < margins.margin(NONE, held=True)
 
 
+def test_a_plan_as_assumed_misses_no_reading(margins):
+    assert margins.sensed_margin(NONE) == 0.0
+
+
+@pytest.mark.parametrize("error", [0.3, 0.6, 0.9])
+def test_readings_that_are_too_large_must_be_missed_the_more(margins, error):
+    """Two fingers that oppose each other cannot press unequally: what one reads too much, and the
+    other too little, friction has to bear or the readings miss."""
+    missed = []
+    for share in (error - 0.1, error):
+        gain = {name: 1.0 + share * (1.0 if name == "thumb" else -1.0) for name in ROBOT.fingers}
+        draw = replace(NONE, sensing=replace(NONE.sensing, gain=gain))
+        missed.append(-margins.sensed_margin(draw))
+    assert 0.0 < missed[0] < missed[1]
+    # the planned forces miss by no more than the error of the largest of them
+    most = max(float(each.normal.max()) for each in margins.moments)
+    assert missed[1] <= error * most + 1e-2
+
+
+def test_a_sensor_that_reads_nothing_misses_all_that_is_wanted(margins):
+    gain = dict.fromkeys(ROBOT.fingers, 0.0)
+    draw = replace(NONE, sensing=replace(NONE.sensing, gain=gain))
+    most = max(float(each.normal[:, 1:].max()) for each in margins.moments)
+    assert -margins.sensed_margin(draw) == pytest.approx(most, abs=2e-2)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_chance_is_the_share_of_shuffles(trial_prediction, seed):
+    rng = np.random.default_rng(seed)
+    failed = (rng.uniform(size=30) < 0.4).astype(float)
+    score = np.round(rng.normal(size=30) - 0.5 * failed, 1)
+    area = trial_prediction.roc(score, failed)[2]
+    areas = [trial_prediction.roc(score, rng.permutation(failed))[2] for _ in range(2000)]
+    found = trial_prediction.chance(score, failed, rng)
+    assert found == pytest.approx(np.mean(np.array(areas) >= area - 1e-9), abs=0.04)
+
+
+def test_scores_that_tell_all_are_no_chance(trial_prediction):
+    failed = np.repeat([1.0, 0.0], 20)
+    rng = np.random.default_rng(0)
+    assert trial_prediction.chance(-failed, failed, rng) == pytest.approx(1e-4, rel=1e-3)
+    assert trial_prediction.chance(failed, failed, rng) == 1.0
+    assert np.isnan(trial_prediction.chance(failed, np.zeros(40), rng))
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_the_area_is_the_chance_of_telling_two_trials_apart(trial_prediction, seed):
     rng = np.random.default_rng(seed)
@@ -160,5 +205,8 @@ def test_10_two_trials_are_kept_and_not_done_again(tmp_path, monkeypatch):
     study = load("10")
     found = study.main(quick=True, out=tmp_path, workers=1)
     assert [each["seed"] for each in found["rows"]] == [0, 1]
+    for each in found["rows"]:
+        assert 1.0 <= each["errors_size"] <= found["enlarged"] == 2.5
+        assert -60.0 <= each["sensed_margin_N"] <= 0.0
     monkeypatch.setattr(study, "run_trials", None)
     assert study.main(quick=True, out=tmp_path)["rows"] == found["rows"]

@@ -29,6 +29,10 @@ CASES = [("knife", 2), ("screwdriver", 2), ("screwdriver", 4), ("wrench", 2)]
 EVERY = pytest.mark.parametrize(("name", "place"), CASES)
 SAME_OPTIMUM = 1e-4
 """Relative difference in cost of two solvers, each converged to 1e-8 of a scaled cost of 1."""
+RELAXED_RAD = 2e-6
+"""FATROP breaks inequalities by up to 1e-8, IPOPT by up to 1e-9, whatever tolerance of optimality
+they are given, and CasADi offers no option of FATROP's against it. The wrench can be held in a
+strip of orientations that ends in a sharp tip: there this moves the angle by 1.03e-6 rad."""
 
 
 @EVERY
@@ -134,7 +138,10 @@ def test_no_perturbed_start_leads_to_a_lower_cost(
     moment: Fixture, solved: Fixture, name: str, place: int
 ) -> None:
     problem, best = moment(name, place).problem, solved(name, place, "fatrop")
+    # where the rate of forces binds, doing without it is cheaper from any start
     free = replace(problem, force_rate_max=np.inf)
+    lowest = solve_with(free, "fatrop").cost
+    assert lowest <= best.cost * (1.0 + SAME_OPTIMUM)
     rng, found = np.random.default_rng(9), []
     for size in (0.02, 0.05, 0.1, 0.1, 0.2, 0.2):
         try:
@@ -143,9 +150,8 @@ def test_no_perturbed_start_leads_to_a_lower_cost(
             continue
         found.append(answer.cost)
     assert len(found) >= 3  # enough of them converge to mean something
-    # of a tool that hardly has to turn the cost is no more than the solver's residual
-    assert min(found) >= best.cost * (1.0 - SAME_OPTIMUM) - 1e-6
-    assert np.median(found) == pytest.approx(best.cost, rel=SAME_OPTIMUM, abs=1e-6)
+    assert min(found) >= lowest * (1.0 - SAME_OPTIMUM)
+    assert np.median(found) == pytest.approx(lowest, rel=SAME_OPTIMUM)
 
 
 def perturbed(best: RemovalSolution, rng: np.random.Generator, size: float) -> RemovalSolution:
@@ -169,9 +175,8 @@ def test_reorientation_is_at_least_the_smallest_static_turn(
     phase, _ = planned(name, place)
     need = smallest_turn(moment(name, place).problem)
     assert need.feasible
-    # both are kept with the same reserves; solver tolerances of 1e-8 in forces of newtons move
-    # the angle by less than 2e-6 rad
-    assert np.radians(phase.reorientation_deg) >= need.angle - 2e-6
+    # both are kept with the same reserves
+    assert np.radians(phase.reorientation_deg) >= need.angle - RELAXED_RAD
     recorded = phase.record["smallest_static_turn_deg"]
     assert recorded == pytest.approx(np.degrees(need.angle), abs=1e-5)
     assert phase.record["static_without_turning"] == (need.angle < 1e-4)
@@ -188,9 +193,8 @@ def test_a_heavier_weight_on_reorientation_never_turns_the_tool_more(
         solution = solve_with(replace(problem, weights=weights), "fatrop")
         ends = Rotation.from_quat(solution.orientation[[0, -1]])
         turns.append((ends[0].inv() * ends[1]).magnitude())
-    # 2e-6 rad: as far as the solver's tolerance moves the answer
-    assert turns[1] <= turns[0] + 2e-6
-    assert turns[2] <= turns[1] + 2e-6
+    assert turns[1] <= turns[0] + RELAXED_RAD
+    assert turns[2] <= turns[1] + RELAXED_RAD
 
 
 @EVERY

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.collections import LineCollection
 
 from pivotgait.feasibility import FeasibilityMap, MapAxis, Question
-from pivotgait.plotting import feasibility_maps, figure_bytes
+from pivotgait.plotting import document, feasibility_maps, figure_bytes
 from pivotgait.plotting.curves import Curve, Panel, curve_panels
 from pivotgait.plotting.document import (
     Heading,
@@ -129,13 +129,41 @@ def test_predictions_of_any_number_of_trials_are_drawn(n):
     assert figure_bytes(margin_prediction(found), "png")
 
 
+@pytest.mark.parametrize("letters", [(5, 5), (120, 8, 8), (40, 30, 30, 30), (60,) * 6, (9,) * 20])
+def test_columns_of_a_table_fit_the_page(letters):
+    widths, size = document._columns([tuple("x" * n for n in letters), ("a",) * len(letters)])
+    across = sum(w + document._GAP for w in widths) * document._LETTER * size / 72.0
+    assert across <= document._ROOM
+    assert all(1 <= width <= most for width, most in zip(widths, letters, strict=True))
+    # nothing is broken or small that had room
+    if sum(letters) <= 60:
+        assert (widths, size) == (list(letters), document._TABLE_SIZE)
+
+
+def test_a_picture_keeps_its_shape_and_its_page():
+    for shape in ((100, 100), (9000, 300), (300, 9000), (5000, 5000)):
+        width, height = document._size(np.zeros(shape), 300.0)
+        assert width / height == pytest.approx(shape[1] / shape[0])
+        assert width <= document._ROOM
+        assert height <= document.HEIGHT_IN - 2.0 * document.MARGIN_IN
+
+
+def test_a_heading_stands_above_its_picture():
+    """Pages of text that leave less room than a picture needs: the heading goes with it."""
+    png = figure_bytes(grid_lines(GridLines("a", (1.0,), *[np.ones(1)] * 3, "N")), "png")
+    picture = PictureBlock(png, "caption", 100.0)
+    assert document._with_it([picture]) == document._with_it([Paragraph("a"), picture]) > 1.0
+    assert document._with_it([TableBlock(("a",), ()), picture]) == 0.0
+    assert document._with_it([]) == 0.0
+
+
 def test_a_document_goes_over_as_many_pages_as_it_needs():
     png = figure_bytes(grid_lines(GridLines("a", (1.0,), *[np.ones(1)] * 3, "N")), "png")
     blocks = [
         Heading("Title $1$", 1),
         Paragraph("word " * 900),
         TableBlock(("a", "b"), (("x", "1"),) * 80),
-        PictureBlock(png, "caption", 3.5),
+        PictureBlock(png, "caption", 300.0),
         Paragraph("key: value\n" * 90, fixed=True),
     ]
     one, other = (document_pdf(blocks, title="t") for _ in range(2))

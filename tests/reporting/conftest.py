@@ -1,5 +1,6 @@
 """The gait that ``tests/plotting`` draws, and pictures that cost nothing."""
 
+import zlib
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
@@ -55,6 +56,19 @@ def certificate():
         "worst": {"force_balance_n": {"phase": "03_removal", "contact": "", "time_s": 0.5}},
         "violations": [],
     }
+
+
+@pytest.fixture(scope="session")
+def dot():
+    """A PNG of one pixel."""
+
+    def chunk(kind, data):
+        check = zlib.crc32(kind + data).to_bytes(4, "big")
+        return len(data).to_bytes(4, "big") + kind + data + check
+
+    header = (1).to_bytes(4, "big") * 2 + bytes([8, 0, 0, 0, 0])
+    pixels = chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"\0\0"))
+    return b"\x89PNG\r\n\x1a\n" + pixels + chunk(b"IEND", b"")
 
 
 @pytest.fixture

@@ -29,6 +29,7 @@ def test_page_and_figures_are_there(folder):
     of_phase = (f"00_addition_{kind}" for kind in ("snapshots", "angles", "cone"))
     names = ("hero", "overview", *of_phase)
     assert figures == {f"{name}.{form}" for name in names for form in ("pdf", "png")}
+    assert (folder / "report.pdf").read_bytes().startswith(b"%PDF")
     text = (folder / "report.html").read_text(encoding="utf-8")
     assert "Valid gait" in text
     assert "0.0123\N{NO-BREAK SPACE}s" in text

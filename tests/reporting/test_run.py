@@ -114,13 +114,13 @@ def test_every_figure_of_a_run_is_saved(robot_plan, run, tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def cheap(monkeypatch, figures):
+def cheap(monkeypatch, figures, dot):
     """A folder's report without the drawing of its plan."""
 
     def draw(_, where):
         where.mkdir(exist_ok=True)
         for name in figures:
-            (where / f"{name}.png").write_bytes(b"new")
+            (where / f"{name}.png").write_bytes(dot)
         return figures
 
     monkeypatch.setattr(folder, "draw_figures", draw)
@@ -130,7 +130,7 @@ def record(plan, path, result, *, perturbed=False, stages=()):
     write_record(TrialSet(TrialOptions(perturbed=perturbed), stages, (result,)), plan, path)
 
 
-def test_old_figures_go_and_other_files_stay(cheap, plan, tmp_path):
+def test_old_figures_go_and_other_files_stay(cheap, dot, plan, tmp_path):
     write_plan(plan, tmp_path / "plan.h5")
     kept = {"notes.txt", "mine.png", "hero.png", "hero.svg"}
     gone = {"07_addition_cone.pdf", "run_strip.png", "joint_speeds.pdf", "01_lift_angles.png"}
@@ -141,7 +141,7 @@ def test_old_figures_go_and_other_files_stay(cheap, plan, tmp_path):
     there = {path.name for path in (tmp_path / "figures").iterdir()}
     assert kept <= there
     assert not gone & there
-    assert (tmp_path / "figures" / "hero.png").read_bytes() == b"new"
+    assert (tmp_path / "figures" / "hero.png").read_bytes() == dot
 
 
 def test_records_in_the_folder_are_reported(cheap, plan, tmp_path):
@@ -150,7 +150,7 @@ def test_records_in_the_folder_are_reported(cheap, plan, tmp_path):
     record(plan, tmp_path / "record.h5", crash)
     stages = (Stage("00_lift", 1, 1),)
     record(plan, tmp_path / "trials.h5", crash, perturbed=True, stages=stages)
-    text = words(report_from_folder(tmp_path).read_text(encoding="utf-8"))
+    text = words(report_from_folder(tmp_path).page.read_text(encoding="utf-8"))
     assert "its run in PyBullet failed" in text
     assert "the process ended with -11" in text
     assert "0 of 1 passed" in text

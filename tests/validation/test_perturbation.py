@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pivotgait.exceptions import SceneError
+from pivotgait.exceptions import InputError, SceneError
 from pivotgait.models import Scene, load_scene, parse_scene
 from pivotgait.models.validation_config import ValidationConfig
 from pivotgait.plans import GaitPlan
-from pivotgait.validation import ForceSensing, Perturbation, SimulatorState
+from pivotgait.validation import ForceSensing, Perturbation, SimulatorState, TrialOptions
 from pivotgait.validation.moved_scene import moved
+from pivotgait.validation.perturbation import size_of_errors
 from pivotgait.validation.real_tool import real_tool
 from pivotgait.validation.sensing import Sensors
 
@@ -47,6 +48,54 @@ def test_a_seed_is_a_draw(scene: Scene) -> None:
     one, same, other = (Perturbation.draw(config, scene.robot, seed) for seed in (5, 5, 6))
     np.testing.assert_array_equal(one.laid, same.laid)
     assert one.mass_scale == same.mass_scale != other.mass_scale
+
+
+def errors(draw: Perturbation) -> np.ndarray:
+    """Every error of a draw, each 0 in a world as planned."""
+    sensing = draw.sensing
+    scales = [draw.mass_scale, draw.finger_friction_scale, draw.table_friction_scale]
+    turns = [Rotation.from_matrix(turn).as_rotvec() for turn in sensing.turn.values()]
+    single = [draw.handle_growth, sensing.noise, sensing.delay_s]
+    gains = [gain - 1.0 for gain in sensing.gain.values()]
+    parts = [draw.offset, np.array(scales) - 1.0, single, gains, draw.joint_friction, *turns]
+    return np.concatenate(parts)
+
+
+@pytest.mark.parametrize("factor", [0.0, 0.5, 1.0, 2.5])
+def test_every_error_grows_alike(scene: Scene, factor: float) -> None:
+    for seed in range(2000, 2010):
+        draw = Perturbation.draw(ValidationConfig(), scene.robot, seed)
+        larger = draw.enlarged(factor)
+        np.testing.assert_allclose(errors(larger), factor * errors(draw), rtol=1e-9, atol=1e-12)
+        # where the tool lies is planned for
+        np.testing.assert_array_equal(larger.laid, draw.laid)
+        assert larger.seed == seed
+
+
+@pytest.mark.parametrize("factor", [-0.1, 20.0, np.nan])
+def test_errors_leave_a_world(scene: Scene, factor: float) -> None:
+    draw = Perturbation.draw(ValidationConfig(), scene.robot, 2000)
+    with pytest.raises(InputError, match="times as large"):
+        draw.enlarged(factor)
+
+
+def test_sizes_of_errors_fill_their_range(scene: Scene) -> None:
+    sizes = np.array([size_of_errors(seed, 2.5) for seed in SEEDS])
+    assert sizes.min() >= 1.0
+    assert sizes.max() <= 2.5
+    assert np.ptp(sizes) > 1.4
+    assert sizes.mean() == pytest.approx(1.75, abs=0.1)
+
+
+def test_a_trial_has_errors_of_its_size(scene: Scene) -> None:
+    usual = TrialOptions().perturbation(scene, scene.robot, 2001)
+    larger = TrialOptions(errors_up_to=2.5).perturbation(scene, scene.robot, 2001)
+    drawn = Perturbation.draw(scene.config.validation, scene.robot, 2001)
+    np.testing.assert_array_equal(errors(usual), errors(drawn))
+    size = size_of_errors(2001, 2.5)
+    np.testing.assert_allclose(errors(larger), size * errors(drawn), rtol=1e-9, atol=1e-12)
+    none = TrialOptions(perturbed=False, errors_up_to=2.5).perturbation(scene, scene.robot, 2001)
+    np.testing.assert_array_equal(errors(none), 0.0)
 
 
 def test_the_scene_says_how_much(scene: Scene) -> None:
