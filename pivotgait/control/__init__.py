@@ -7,6 +7,9 @@ from pivotgait.control.gains import HybridGains
 from pivotgait.control.hybrid import HybridController
 from pivotgait.control.measurement import Measurement
 from pivotgait.control.position import PositionController
+from pivotgait.control.recovery import RecoveringController
+from pivotgait.control.recovery_event import RecoveryEvent
+from pivotgait.control.recovery_options import RecoveryOptions
 from pivotgait.control.reference import Reference
 from pivotgait.control.tool_feedback import ToolGains
 from pivotgait.control.tool_state import ToolState
@@ -20,6 +23,9 @@ __all__ = [
     "HybridGains",
     "Measurement",
     "PositionController",
+    "RecoveringController",
+    "RecoveryEvent",
+    "RecoveryOptions",
     "Reference",
     "ToolGains",
     "ToolState",

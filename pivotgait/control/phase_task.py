@@ -109,6 +109,8 @@ class PhaseTask:
         self.matrix[held] = frames.jacobian[:m, 1:].reshape(-1, len(q))
         self.matrix[palm] = frames.jacobian[m, self._coordinates]
         palm_wanted = self._palm_curves(wanted.time_in_phase)[:, self._coordinates]
+        if wanted.pace is not None:
+            palm_wanted = np.array(wanted.pace.rates(*palm_wanted))
         found = (frames.value, frames.rate, frames.drift)
         columns, rows = self.joint_columns, self._joint_rows
         joints = (wanted.q - q, wanted.v - v, wanted.a)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pivotgait.control.curves import Curves, polygon, quintic_spline
+from pivotgait.control.pace import Pace
 from pivotgait.control.planned_holds import planned_holds
 from pivotgait.control.tool_state import ToolState
 from pivotgait.control.turning import quaternion_curve, turning
@@ -36,6 +37,8 @@ class Instant(NamedTuple):
             in the order of the phase's holds.
         moment: (m,) planned moment on the tool about the inward normal of each of them [N m];
             None in a phase without any.
+        pace: at which the plan's time passes, of which the rates above already are; None: as
+            planned.
     """
 
     phase: int
@@ -46,6 +49,7 @@ class Instant(NamedTuple):
     a: Array
     force_in_tool: Array
     moment: Array | None = None
+    pace: Pace | None = None
 
 
 class PhaseReference:

@@ -65,8 +65,16 @@ class TaskController(ABC):
         self.resolution.reset()
 
     def torque(self, measurement: Measurement) -> Array:
-        """(n,) tau = M qddot + N + J^T f with qddot = H^-1 (s_res - dH/dt qdot) (eqs 15-17)."""
-        wanted = self.reference.at(measurement.time)
+        """(n,) joint torques [N m] or [N] that follow the plan of the measurement's time."""
+        return self.follow(self.reference.at(measurement.time), measurement)
+
+    def follow(self, wanted: Instant, measurement: Measurement) -> Array:
+        """(n,) tau = M qddot + N + J^T f with qddot = H^-1 (s_res - dH/dt qdot) (eqs 15-17).
+
+        Args:
+            wanted: what to follow now, of the reference's phases; at its own pace.
+            measurement: now.
+        """
         task = self.tasks[wanted.phase]
         if self._feedback is not None:
             more = self._feedback.correction(task, wanted, measurement)
