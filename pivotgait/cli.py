@@ -90,6 +90,17 @@ def validate(
     workers: Annotated[
         int | None, typer.Option(min=1, max=1024, help="Processes at a time; else all cores.")
     ] = None,
+    replan: Annotated[
+        bool,
+        typer.Option("--replan", help="After each addition plan the rest from measurements."),
+    ] = False,
+    replan_hold: Annotated[
+        float, typer.Option(help="Simulated seconds the grasp is held meanwhile.")
+    ] = 1.0,
+    recover: Annotated[
+        bool,
+        typer.Option("--recover", help="In danger allocate forces anew, or put the finger back."),
+    ] = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Record file to write.")
     ] = None,
@@ -113,6 +124,8 @@ def validate(
         Output(json),
         perturbed=perturbed,
         workers=workers,
+        recover=recover,
+        replan_hold_s=replan_hold if replan else None,
     )
 
 

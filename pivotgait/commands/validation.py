@@ -8,8 +8,10 @@ from rich.markup import escape
 
 from pivotgait.commands.output import Output, verdict
 from pivotgait.commands.planning import writable
+from pivotgait.control import RecoveryOptions
 from pivotgait.plans import read_plan
 from pivotgait.validation import (
+    ReplanOptions,
     RunOptions,
     TrialOptions,
     TrialResult,
@@ -33,15 +35,22 @@ def run_validate(
     *,
     perturbed: bool | None = None,
     workers: int | None = None,
+    recover: bool = False,
+    replan_hold_s: float | None = None,
 ) -> int:
     """Run the trials of a plan; returns the exit code: 0 where all passed."""
     if record is not None:
         writable(record)
     plan = read_plan(path)
     options = TrialOptions(
-        run=RunOptions(simulator=simulator, controller=controller),
+        run=RunOptions(
+            simulator=simulator,
+            controller=controller,
+            recovery=RecoveryOptions() if recover else None,
+        ),
         perturbed=trials > 1 if perturbed is None else perturbed,
         record_every=5 if trials <= _FEW else 20,
+        replanning=None if replan_hold_s is None else ReplanOptions(replan_hold_s),
     )
     with out.progress(f"{controller} control in {simulator}", trials) as bar:
 
@@ -75,10 +84,26 @@ def show_trials(found: TrialSet, out: Output) -> None:
     many = len(found.results) > _FEW
     shown = [each for each in found.results if not (many and each.verdict.passed)]
     out.table("failed runs" if many else "runs", _RUN_COLUMNS, map(_run_row, shown))
+    if found.options.replanning is not None:
+        out.say(_replanned(found))
     low, high = summary["wilson_95"]
     count = f"{found.passed} of {summary['trials']}"
     word = verdict(found.passed == summary["trials"], count, count)
     out.say(f"passed: {word} (95 % confidence {100 * low:.0f}-{100 * high:.0f} %)")
+
+
+def _replanned(found: TrialSet) -> str:
+    """How many seams were planned anew, and how long that took beside the hold."""
+    seams = [seam for result in found.results for seam in result.seams]
+    if not seams:
+        return "planned anew: no run came to a seam"
+    done = sum(seam.correction is not None for seam in seams)
+    times = sorted(seam.plan_time_s for seam in seams)
+    held = max(seam.hold_s for seam in seams)
+    return (
+        f"planned anew: {done} of {len(seams)} seams, median {times[len(times) // 2]:.1f} s, "
+        f"at most {times[-1]:.1f} s of planning; the grasp is held for {held:g} s each"
+    )
 
 
 _RUN_COLUMNS = [

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import chain
 from time import perf_counter
 
@@ -31,6 +32,8 @@ from pivotgait.planning.posture_search import PostureOptions, PostureSearch, Sea
 from pivotgait.planning.problem import RelocationOptions
 from pivotgait.planning.relocation import plan_relocation
 from pivotgait.plans import Phase
+
+_REST = "the rest of the hand's gait"
 
 
 @dataclass(frozen=True)
@@ -150,6 +153,37 @@ class HandPlanner:
         spent = found.search_time_s + perf_counter() - began - sum(carried.plan_time_s)
         return replace(carried, search_time_s=spent, record=found.record)
 
+    def continue_like(self, like: Sequence[Phase], q: Array) -> HandGait:
+        """Carry the rest of a gait out from where the hand is, next to how it was planned.
+
+        The key poses' postures are those of the plan, moved by steps of least norm to the contacts
+        and tool poses of the steps; only where that does not do are they fitted anew.
+
+        Args:
+            like: the plan's phases for the same steps.
+            q: (nv,) joint positions now.
+
+        Raises:
+            InfeasibleError: the hand cannot follow from there.
+        """
+        began, itinerary = perf_counter(), self.itinerary
+        start = itinerary.postures_in(like)
+        start[0] = q
+        chain, reasons = self._chain(itinerary), []
+        fitted = partial(chain.settle, iterations=self.options.postures.rounds[-1])
+        for found in (chain.closed, fitted):
+            postures = found(start)
+            if isinstance(postures, Refused):
+                reasons.append(postures.reason)
+                continue
+            carried = self._refined(postures, itinerary)
+            if isinstance(carried, str):
+                reasons.append(carried)
+                continue
+            spent = perf_counter() - began - sum(carried.plan_time_s)
+            return replace(carried, search_time_s=spent)
+        raise InfeasibleError("; fitted anew: ".join(reasons), where=_REST)
+
     def _refined(self, postures: Postures, itinerary: Itinerary) -> HandGait | str:
         """Carry the gait out; where it is blocked between key poses, seek a posture there too."""
         for _ in range(self.options.refinements + 1):
@@ -170,10 +204,11 @@ class HandPlanner:
         return reason
 
     def _settle(self, itinerary: Itinerary, start: Array) -> Postures | Refused:
-        options = self.options.postures
-        keys = itinerary.keys
-        postures = PostureChain(self._robot, self.world, keys, options.singular_value_min)
-        return postures.settle(start, options.rounds[-1])
+        return self._chain(itinerary).settle(start, self.options.postures.rounds[-1])
+
+    def _chain(self, itinerary: Itinerary) -> PostureChain:
+        least = self.options.postures.singular_value_min
+        return PostureChain(self._robot, self.world, itinerary.keys, least)
 
     def _carry_out(self, itinerary: Itinerary, postures: Postures) -> HandGait:
         """The phases with robot motion.

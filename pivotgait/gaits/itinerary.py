@@ -51,10 +51,12 @@ class Itinerary:
     def of(cls, scene: Scene, steps: Sequence[Step]) -> Itinerary:
         """Start, middle and end of each phase in which the tool moves; ends of relocations.
 
+        Steps that do not begin with a lift start from the grasp before them, at rest.
+
         Raises:
             SceneError: for an addition to which no relocation brings the finger.
         """
-        keys: list[KeyPose] = []
+        keys = [] if isinstance(steps[0].config, LiftPhase) else [_at_rest(scene, steps[0])]
         stops: list[tuple[Stop, ...]] = []
         for step in steps:
             config, here = step.config, Stop(0, len(keys) - 1)
@@ -146,6 +148,12 @@ def relocation_goal(scene: Scene, config: RelocationPhase) -> HandleContact:
     """Where a relocation brings its finger: the contact itself, or a place before it."""
     contact = scene.contacts[config.contact]
     return contact.standing_off(config.standoff_m) if config.standoff_m > 0.0 else contact
+
+
+def _at_rest(scene: Scene, step: Step) -> KeyPose:
+    rotation = step.before.rotation
+    place = scene.centre_of_mass(rotation)
+    return KeyPose(f"before {step.name}", rotation.as_matrix(), place, step.before.fingers)
 
 
 def _last(step: Step) -> int:

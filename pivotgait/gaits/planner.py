@@ -127,7 +127,7 @@ def _plan_hand(
     steps = plan_steps(setting, configs)
     known = () if like is None or not _same_hand(like, robot, configs) else like.phases
     found = HandPlanner(setting, robot, steps, rng, options).plan(known)
-    weak = _weakest(robot, found)
+    weak = weakest_joint(robot, found)
     if not weak:
         return steps, found
     rows = {
@@ -146,7 +146,7 @@ def _plan_hand(
             mend="choose other contacts or stronger joints",
         ) from error
     found = HandPlanner(setting, robot, steps, rng, options).plan_again(found)
-    weak = _weakest(robot, found)
+    weak = weakest_joint(robot, found)
     if weak:
         name, joint, share = weak
         raise InfeasibleError(
@@ -164,7 +164,7 @@ def _rows(robot: Robot, step: Step, phase: Phase) -> LinearRows:
     return torque_rows(robot, phase.robot, phase.tool, fingers, reserve=reserve)
 
 
-def _weakest(robot: Robot, found: HandGait) -> tuple[str, str, float] | None:
+def weakest_joint(robot: Robot, found: HandGait) -> tuple[str, str, float] | None:
     """Phase, joint and share of the torque that is farthest beyond its limit, if one is."""
     shares = [
         (phase.name, *torque_share(robot, phase.robot.tau)) for phase in found.phases if phase.robot

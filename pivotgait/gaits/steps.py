@@ -58,6 +58,9 @@ def plan_steps(
     configs: Sequence[PhaseConfig],
     done: Callable[[Step, int], None] | None = None,
     rows: Mapping[str, LinearRows] | None = None,
+    *,
+    start: Grasp | None = None,
+    first: int = 0,
 ) -> tuple[Step, ...]:
     """Plan the tool's motion and forces phase after phase, each from where the last one ended.
 
@@ -66,15 +69,17 @@ def plan_steps(
         configs: what the scene asks for.
         done: called after each step with its place.
         rows: step's name -> joint torque limits along it, for lifts and additions.
+        start: the grasp before the first of them; the tool lies untouched without one.
+        first: place of the first of them in the whole gait, for the phases' names.
 
     Raises:
         InfeasibleError: no forces or no motion satisfy a phase's constraints.
         SolverError: a solver failed otherwise.
     """
-    grasp = Grasp(setting.scene.rest_rotation, MappingProxyType({}))
+    grasp = start or Grasp(setting.scene.rest_rotation, MappingProxyType({}))
     steps: list[Step] = []
     for place, config in enumerate(configs):
-        began, name = perf_counter(), phase_name(place, config.kind)
+        began, name = perf_counter(), phase_name(first + place, config.kind)
         phase, after = _plan(setting, grasp, config, name, (rows or {}).get(name))
         if isinstance(config, LiftPhase):
             grasp = Grasp(grasp.rotation, after.fingers)

@@ -25,7 +25,11 @@ from pivotgait.planning.posture_solver import fit_postures
 
 NEAR_M = 2e-3
 """A tip this far from its contact is pulled in by the next round."""
+_FAR_M = 2e-2
+"""Farther from a contact than this a posture belongs to another grasp."""
 _ROLL_RAD = 0.03
+_MEASURED_ROLL_RAD = 0.1
+"""Of fingertips that have held for a while, against where the plan wants them later."""
 _TIGHT_M = 1e-11
 
 
@@ -108,6 +112,17 @@ class PostureChain:
             return self._obstructed(fit.postures, missed)
         return self._verify(fit.postures, fit.cost)
 
+    def closed(self, start: Array) -> Postures | Refused:
+        """Postures next to ``start`` (K, nv), closed exactly and checked without any fit.
+
+        Each is the one on its contacts that steps of least norm find, so postures that satisfy
+        everything already stay as they are.
+        """
+        missed = self.farthest(start)
+        if missed[0] > _FAR_M:
+            return Refused("reach", missed[1], missed[0])
+        return self._verify(start, 0.0, roll=_MEASURED_ROLL_RAD)
+
     def farthest(self, postures: Array) -> tuple[float, str]:
         """Largest tip error [m] and the name of its contact."""
         return max(
@@ -133,8 +148,10 @@ class PostureChain:
             found.append((distance, " - ".join(pair)))
         return found
 
-    def _verify(self, postures: Array, cost: float) -> Postures | Refused:
-        robot, directions = self.robot, self._directions(postures)
+    def _verify(
+        self, postures: Array, cost: float, *, roll: float = _ROLL_RAD
+    ) -> Postures | Refused:
+        robot, directions = self.robot, self._directions(postures, roll)
         if isinstance(directions, Refused):
             return directions
         holds, exact, singular = {}, [], np.inf
@@ -170,7 +187,7 @@ class PostureChain:
                 return Refused("collision", pair)
         return Postures(q, holds, clearance, singular, cost)
 
-    def _directions(self, postures: Array) -> dict[tuple[str, str], Array] | Refused:
+    def _directions(self, postures: Array, roll: float) -> dict[tuple[str, str], Array] | Refused:
         """Mean direction in which each tip sees its contact, over the key poses that share it."""
         seen: dict[tuple[str, str], list[Array]] = {}
         at = [self._reaching.tips(key, q) for key, q in zip(self.keys, postures, strict=True)]
@@ -178,13 +195,13 @@ class PostureChain:
             for finger, (_, _, direction, _) in tips.items():
                 seen.setdefault((finger, key.contacts[finger].name), []).append(direction)
         for finger, k, following in held_on(self.keys):
-            if np.linalg.norm(at[k][finger][2] - at[following][finger][2]) > _ROLL_RAD:
+            if np.linalg.norm(at[k][finger][2] - at[following][finger][2]) > roll:
                 return Refused("rolling", self.keys[k].contacts[finger].name)
         mean = {place: np.mean(each, axis=0) for place, each in seen.items()}
         directions = {place: each / np.linalg.norm(each) for place, each in mean.items()}
         for (finger, name), direction in directions.items():
             tip = self.robot.fingers[finger]
-            if tip.pad @ direction < np.cos(tip.pad_cone + _ROLL_RAD):
+            if tip.pad @ direction < np.cos(tip.pad_cone + roll):
                 return Refused("pad", name)
         return directions
 

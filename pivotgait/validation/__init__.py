@@ -7,6 +7,7 @@ from pivotgait.validation.comparison import CompareOptions, Comparison, compare_
 from pivotgait.validation.metrics import Metrics
 from pivotgait.validation.perturbation import ForceSensing, Perturbation
 from pivotgait.validation.record import RecordError, plan_digest, read_summary, write_record
+from pivotgait.validation.replanning import Replan, ReplanOptions
 from pivotgait.validation.run import RunOptions, Timing, run
 from pivotgait.validation.series import RunSeries
 from pivotgait.validation.simulator import (
@@ -34,6 +35,8 @@ __all__ = [
     "Metrics",
     "Perturbation",
     "RecordError",
+    "Replan",
+    "ReplanOptions",
     "Rule",
     "RunOptions",
     "RunSeries",

@@ -89,7 +89,7 @@ def compare_runs(
 
 
 def _events(plan: GaitPlan, series: RunSeries) -> Mapping[str, ContactEvent]:
-    planned = planned_at(plan, series.time, series.fingers)
+    planned = planned_at(plan, series.followed, series.fingers)
     return {each.phase: each for each in contact_events(plan, series, planned)}
 
 

@@ -39,7 +39,8 @@ def write_record(trials: TrialSet, plan: GaitPlan, path: Path | str) -> None:
     of: ``time`` [s], ``robot/{q,v,tau}``, ``tool/{position,orientation,planned_orientation}``,
     ``contacts/<finger>/{force,reading,normal_force,planned_normal_force,margin,planned_margin}``
     and ``contacts/pivot/{force,margin,planned_force,planned_margin}``; forces on the tool in the
-    world frame [N], margins mu f_n - |f_t| [N]. The same trials give the same bytes.
+    world frame [N], margins mu f_n - |f_t| [N]. Runs with recovery have ``plan_time`` [s] that was
+    followed besides. The same trials give the same bytes.
 
     Raises:
         RecordError: the file cannot be written.
@@ -120,6 +121,8 @@ def _write_run(group: Any, result: TrialResult) -> None:
         "contacts/pivot/margin": margins[1],
         "contacts/pivot/planned_margin": wanted_margins[1],
     }
+    if series.plan_time is not None:
+        data["plan_time"] = series.plan_time
     normal = normal_forces(series, planned)
     for k, name in enumerate(series.fingers):
         finger = {

@@ -51,7 +51,7 @@ class RecordedMotion(FrozenArrays):
     @classmethod
     def of(cls, plan: GaitPlan, robot: Robot, series: RunSeries) -> RecordedMotion:
         """What follows from the rows of a run of ``plan`` with its robot."""
-        planned = planned_at(plan, series.time, series.fingers)
+        planned = planned_at(plan, series.followed, series.fingers)
         limit = np.where(robot.effort_max > 0.0, robot.effort_max, np.inf)
         return cls(
             series=series,
@@ -175,6 +175,7 @@ def _series(group: Any, plan: GaitPlan, robot: Robot) -> RunSeries:
         touching_table=np.zeros(0),
         diverged="",
         pivot_in_tool=plan.tool.pivot_in_tool,
+        plan_time=_array(group, "plan_time", (count,)) if "plan_time" in group else None,
     )
 
 

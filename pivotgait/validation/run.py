@@ -10,6 +10,7 @@ from math import dist, isfinite
 import numpy as np
 
 from pivotgait.control.controller import Controller
+from pivotgait.control.recovery_options import RecoveryOptions
 from pivotgait.control.reference import Reference
 from pivotgait.exceptions import InputError
 from pivotgait.frozen import Array
@@ -18,6 +19,13 @@ from pivotgait.plans import GaitPlan
 from pivotgait.validation.closing import closing_distances
 from pivotgait.validation.controllers import make_controller
 from pivotgait.validation.grasp import standing_off, with_grasp
+from pivotgait.validation.guarding import (
+    guarded,
+    is_over,
+    most_cycles,
+    plan_time,
+    with_events,
+)
 from pivotgait.validation.perturbation import Perturbation
 from pivotgait.validation.real_tool import RealTool, real_tool
 from pivotgait.validation.sensing import Sensors
@@ -48,6 +56,8 @@ class RunOptions:
         gap_m: of the fingertips from the tool when the controller takes over: fingers close
             along their planned normals until they nearly touch, as a guarded move does [m].
         hold_s: time for which the final grasp is held [s].
+        recovery: thresholds under which forces are allocated anew or a finger is put back; None
+            for a run that follows its plan whatever happens.
     """
 
     simulator: str = "pybullet"
@@ -57,6 +67,7 @@ class RunOptions:
     grasp_s: float = 0.8
     gap_m: float = 2e-4
     hold_s: float = 2.0
+    recovery: RecoveryOptions | None = None
 
     @property
     def steps_per_cycle(self) -> int:
@@ -97,6 +108,7 @@ def run(
     options: RunOptions,
     *,
     controller: Callable[[Reference], Controller] | None = None,
+    duration: Callable[[], float] | None = None,
 ) -> tuple[RunSeries, Timing]:
     """Carry a plan out in a simulator.
 
@@ -106,6 +118,8 @@ def run(
         perturbation: how the world and the sensors differ from the plan.
         options: of the run.
         controller: maker of a control law of one's own, else that of ``options``.
+        duration: of the run without its final hold, as the control law has it by now [s], for one
+            that changes its plan; else that of the plan and of closing the fingers.
 
     Raises:
         PivotGaitError: bad input.
@@ -119,6 +133,7 @@ def run(
         law = make_controller(options.controller, reference, options.cycle_s)
     else:
         law = controller(reference)
+    law = guarded(law, options.recovery)
     real = real_tool(plan, scene, perturbation)
     start = standing_off(plan, robot, closing_distances(plan, robot, real, options.gap_m))
     with make_simulator(
@@ -126,11 +141,16 @@ def run(
     ) as simulator:
         simulator.reset(start, np.zeros(robot.nv), real.position, real.rotation)
         sensors = Sensors(perturbation, tuple(robot.fingers), options.cycle_s)
-        cycles = round((reference.duration + options.hold_s) / options.cycle_s)
+        lasting = duration or (lambda: reference.duration)
+
+        def cycles() -> int:
+            return most_cycles(law, round((lasting() + options.hold_s) / options.cycle_s))
+
         tape = Tape(tuple(robot.fingers), robot.joint_names)
         loop = _Loop(simulator, law, sensors, tape, robot.effort_max, options)
         diverged, timing = loop.turn(cycles)
-    return tape.series(diverged=diverged, pivot_in_tool=real.tool.pivot_in_tool), timing
+    series = tape.series(diverged=diverged, pivot_in_tool=real.tool.pivot_in_tool)
+    return with_events(series, law, options.grasp_s), timing
 
 
 def real_world(plan: GaitPlan, real: RealTool, perturbation: Perturbation) -> World:
@@ -159,16 +179,23 @@ class _Loop:
     effort_max: Array
     options: RunOptions
 
-    def turn(self, cycles: int) -> tuple[str, Timing]:
-        """Run ``cycles`` control cycles, or until the simulation has gone astray: why."""
+    def turn(self, cycles: Callable[[], int]) -> tuple[str, Timing]:
+        """Run as many control cycles, or until the simulation has gone astray: why.
+
+        Args:
+            cycles: their number, as it is by now.
+        """
         options, simulator = self.options, self.simulator
         thinking = stepping = 0.0
         self.law.reset()
         state = simulator.state()
         begin = state.tool_position.tolist()
         least, most = -self.effort_max, self.effort_max
-        for cycle in range(cycles):
+        cycle = 0
+        while cycle < cycles():
             time = cycle * options.cycle_s
+            if is_over(self.law, time, options.hold_s):
+                break
             measurement = self.sensors.read(time, state)
             before = clock.perf_counter()
             asked = self.law.torque(measurement)
@@ -176,14 +203,16 @@ class _Loop:
             astray = _astray(state, asked, begin)
             if astray:
                 return astray, Timing(thinking / (cycle + 1), stepping / (cycle + 1))
-            self.tape.write(time - options.grasp_s, state, asked, measurement.force)
+            followed = plan_time(self.law, options.grasp_s)
+            self.tape.write(time - options.grasp_s, state, asked, measurement.force, followed)
             torque = np.minimum(np.maximum(asked, least), most)
             before = clock.perf_counter()
             for _ in range(options.steps_per_cycle):
                 simulator.step(torque)
             state = simulator.state()
             stepping += clock.perf_counter() - before
-        return "", Timing(thinking / max(cycles, 1), stepping / max(cycles, 1))
+            cycle += 1
+        return "", Timing(thinking / max(cycle, 1), stepping / max(cycle, 1))
 
 
 def _astray(state: SimulatorState, torque: Array, start: Sequence[float]) -> str:

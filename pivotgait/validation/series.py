@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from pivotgait.control.recovery_event import RecoveryEvent
 from pivotgait.frozen import Array, FrozenArrays
 
 
@@ -28,6 +29,8 @@ class RunSeries(FrozenArrays):
         touching_table: (M,) times [s] at which the table bore the tool elsewhere than at the tip.
         diverged: why the run was broken off, empty if it was not.
         pivot_in_tool: (3,) of the real tool [m].
+        plan_time: (N,) time of the plan that was followed [s]; None where it is ``time``.
+        recovery: what was done to save the grasp.
     """
 
     fingers: tuple[str, ...]
@@ -45,6 +48,13 @@ class RunSeries(FrozenArrays):
     touching_table: Array
     diverged: str
     pivot_in_tool: Array
+    plan_time: Array | None = None
+    recovery: tuple[RecoveryEvent, ...] = ()
+
+    @property
+    def followed(self) -> Array:
+        """(N,) time of the plan that was followed [s]."""
+        return self.time if self.plan_time is None else self.plan_time
 
     def every(self, step: int) -> RunSeries:
         """Each ``step``-th cycle; the times of touches stay."""
@@ -56,6 +66,8 @@ class RunSeries(FrozenArrays):
 
     def _rows(self, rows: slice) -> RunSeries:
         kept = {name: getattr(self, name)[rows] for name in (*_PER_CYCLE, "time")}
+        if self.plan_time is not None:
+            kept["plan_time"] = self.plan_time[rows]
         return replace(self, **kept)
 
 

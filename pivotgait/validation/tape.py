@@ -23,6 +23,7 @@ class Tape:
         self._states: list[SimulatorState] = []
         self._tau: list[Array] = []
         self._readings: list[Mapping[str, Array]] = []
+        self._plan_time: list[float] = []
 
     @property
     def count(self) -> int:
@@ -30,13 +31,23 @@ class Tape:
         return len(self._time)
 
     def write(
-        self, time: float, state: SimulatorState, torque: Array, reading: Mapping[str, Array]
+        self,
+        time: float,
+        state: SimulatorState,
+        torque: Array,
+        reading: Mapping[str, Array],
+        plan_time: float | None = None,
     ) -> None:
-        """Add a cycle: the state at its start and what was read and asked for then."""
+        """Add a cycle: the state at its start and what was read and asked for then.
+
+        Of a controller with a clock of its own, each cycle has the plan's time, too.
+        """
         self._time.append(time)
         self._states.append(state)
         self._tau.append(torque)
         self._readings.append(reading)
+        if plan_time is not None:
+            self._plan_time.append(plan_time)
 
     def series(self, *, diverged: str, pivot_in_tool: Array) -> RunSeries:
         """The cycles written so far."""
@@ -59,6 +70,7 @@ class Tape:
             touches=touches,
             diverged=diverged,
             pivot_in_tool=pivot_in_tool,
+            plan_time=np.array(self._plan_time) if self._plan_time else None,
         )
 
     def _by_finger(self, forces: Sequence[Mapping[str, Array]]) -> Array:

@@ -15,7 +15,13 @@ from pivotgait.validation.controllers import check_controller
 from pivotgait.validation.moved_scene import gait_of, scene_of
 from pivotgait.validation.processes import run_jobs
 from pivotgait.validation.simulator import check_simulator
-from pivotgait.validation.trial import TrialOptions, TrialResult, carried_out, run_trial
+from pivotgait.validation.trial import (
+    TrialOptions,
+    TrialResult,
+    carried_out,
+    check_replanning,
+    run_trial,
+)
 from pivotgait.validation.verdict import Verdict, stage_names
 from pivotgait.validation.wilson import wilson_interval
 
@@ -66,19 +72,20 @@ class TrialSet:
 
     def as_json(self) -> dict[str, Any]:
         """What ``pivotgait validate --json`` prints."""
-        trials = len(self.results)
+        trials, replanning = len(self.results), self.options.replanning
         return {
             "simulator": self.options.run.simulator,
             "controller": self.options.run.controller,
             "perturbed": self.options.perturbed,
             "pivoting": self.options.pivoting,
+            "replan_hold_s": replanning.hold_s if replanning else None,
             "trials": trials,
             "passed": self.passed,
             "rate": self.passed / trials if trials else 0.0,
             "wilson_95": list(wilson_interval(self.passed, trials)),
             "stages": [vars(stage).copy() for stage in self.stages],
             "failures": self.failures,
-            "runs": [_run_json(result) for result in self.results],
+            "runs": [_run_json(result, self.options) for result in self.results],
         }
 
 
@@ -113,8 +120,9 @@ def run_trials(
     options = options or TrialOptions()
     check_simulator(options.run.simulator)
     check_controller(options.run.controller)
+    check_replanning(options)
     scene = scene_of(plan, folder)
-    if options.perturbed and options.replan:
+    if (options.perturbed and options.plan_as_laid) or options.replanning is not None:
         gait_of(plan, scene)
     if not seeds or min(seeds) < 0:
         raise InputError("no seeds, or a negative one", where="trials", mend="give seeds from 0")
@@ -160,8 +168,12 @@ def _completed(verdict: Verdict, names: Sequence[str]) -> int:
     return names.index(verdict.stage) if verdict.stage else 0
 
 
-def _run_json(result: TrialResult) -> dict[str, Any]:
+def _run_json(result: TrialResult, options: TrialOptions) -> dict[str, Any]:
     verdict, timing = result.verdict, result.timing
+    events = result.series.recovery if result.series else ()
+    guarded, replanning = options.run.recovery is not None, options.replanning is not None
+    recovery = {"recovery": [each.as_json() for each in events]} if guarded else {}
+    replanned = {"replans": [seam.as_json() for seam in result.seams]} if replanning else {}
     return {
         "seed": result.seed,
         "passed": verdict.passed,
@@ -170,7 +182,9 @@ def _run_json(result: TrialResult) -> dict[str, Any]:
         "time_s": verdict.time_s if verdict.stage else None,
         "detail": verdict.detail,
         "metrics": result.metrics.as_json() if result.metrics else {},
+        **recovery,
         "plan_time_s": result.plan_time_s,
+        **replanned,
         "control_cycle_s": timing.control_s if timing else None,
         "simulator_cycle_s": timing.simulator_s if timing else None,
     }

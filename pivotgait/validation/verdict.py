@@ -19,8 +19,11 @@ Flags = NDArray[np.bool_]
 
 FINAL_HOLD = "final_hold"
 """Name of the stage after the plan's last phase."""
-FAILURES = ("slip", "loss", "roll-out", "limit", "collision", "divergence")
-"""Classes of failures in a run; a trial may also fail by ``plan``, ``timeout`` and ``crash``."""
+FAILURES = ("slip", "loss", "roll-out", "limit", "collision", "divergence", "put-back")
+"""Classes of failures in a run; a trial may also fail by ``plan``, ``timeout`` and ``crash``.
+
+``put-back``: the tool was held by all rules, but a removal was given up and its finger put back.
+"""
 
 
 @dataclass(frozen=True)
@@ -109,6 +112,8 @@ def judge(
     if series.diverged:
         events.append(_Event(float(series.time[-1]), "divergence", series.diverged))
     if not events:
+        events = _put_back(plan, series, planned)
+    if not events:
         return Verdict(passed=True)
     first = min(events, key=lambda event: event.time)
     names = stage_names(plan)
@@ -122,6 +127,17 @@ def orientation_errors(series: RunSeries, planned: Planned) -> Array:
     """(N,) angles between the real and the planned orientation [rad]."""
     real = Rotation.from_quat(series.tool_orientation)
     return np.asarray((planned.rotation.inv() * real).magnitude())
+
+
+def _put_back(plan: GaitPlan, series: RunSeries, planned: Planned) -> list[_Event]:
+    """A run with recovery that ended before its plan; phases done late count as completed."""
+    if series.plan_time is None or planned.phase[-1] >= len(plan.phases):
+        return []
+    # The clock comes a cycle too far before it stands: the stage is the one in which it stands.
+    elsewhere = np.flatnonzero(planned.phase != planned.phase[-1])
+    stands = float(series.time[elsewhere[-1] + 1]) if len(elsewhere) else float(series.time[0])
+    when = max((stands, *(each.time_s for each in series.recovery)))
+    return [_Event(when, "put-back", "recovered, not completed")]
 
 
 def _slips(robot: Robot, series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:

@@ -11,6 +11,7 @@ import pytest
 
 from pivotgait.models import export_scene
 from pivotgait.plans import GaitPlan
+from pivotgait.reporting import Report
 from pivotgait.validation import Stage, TrialOptions, TrialResult, TrialSet, Verdict
 
 Call = Callable[..., Any]
@@ -32,9 +33,9 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def cheap_page(monkeypatch: pytest.MonkeyPatch) -> None:
     """No drawing: the page has its own tests."""
 
-    def page(folder: Path) -> Path:
+    def page(folder: Path) -> Report:
         (folder / "report.html").write_text("", encoding="utf-8")
-        return folder / "report.html"
+        return Report(folder / "report.html", folder / "report.pdf")
 
     monkeypatch.setattr("pivotgait.reporting.report_from_folder", page)
 
@@ -77,7 +78,8 @@ def test_the_nominal_run_decides_the_exit_code(
     assert {each["folder"] for each in asked} == {scene.parent}
     assert {path.name for path in tmp_path.iterdir()} == LEFT
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
-    assert answer.data == {**summary, "report": str(tmp_path / "report.html")}
+    files = {"report": str(tmp_path / "report.html"), "pdf": str(tmp_path / "report.pdf")}
+    assert answer.data == {**summary, **files}
     assert summary["valid"] is True
     assert summary["validation"]["passed"] == int(passes)
     assert (summary["trials"]["trials"], summary["trials"]["passed"]) == (3, 0)

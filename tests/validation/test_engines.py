@@ -36,7 +36,7 @@ def image(plan: GaitPlan) -> bytes:
 def options(name: str) -> TrialOptions:
     """Not the defaults: they must travel to the other process."""
     engine = SimulatorOptions(contact_stiffness=1e4, contact_damping=80.0)
-    return TrialOptions(replace(SHORT, simulator=name, engine=engine), replan=False)
+    return TrialOptions(replace(SHORT, simulator=name, engine=engine), plan_as_laid=False)
 
 
 @pytest.fixture(scope="module")

@@ -68,7 +68,7 @@ def test_a_plan_without_removal_is_refused(plan: GaitPlan, scene: Scene) -> None
 
 
 def test_baselines_differ_in_controller_and_pivoting_alone() -> None:
-    options = TrialOptions(RunOptions(hold_s=0.3), replan=False)
+    options = TrialOptions(RunOptions(hold_s=0.3), plan_as_laid=False)
     ways = [each.of(options) for each in BASELINES]
     assert len({(way.run.controller, way.pivoting) for way in ways}) == len(BASELINES)
     assert ways[0] == options
