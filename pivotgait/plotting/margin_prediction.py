@@ -28,6 +28,9 @@ NAMES = {
 _DASHES = ("-", "--", ":", "-.")
 _CURVES = ((PIVOT_COLOUR, "-."), (LIMIT_COLOUR, "-"), (FAILED_COLOUR, "--"))
 
+_OUTLIERS = 2.5
+"""Per cent of the margins, the least ones, that share the first bar: they would set its scale."""
+
 
 @dataclass(frozen=True, eq=False)
 class MarginPrediction:
@@ -72,14 +75,15 @@ def _draw_eaten(axes: Any, found: MarginPrediction) -> None:
 
 def _draw_split(axes: Any, found: MarginPrediction) -> None:
     if found.margin.size:
-        low, high = float(found.margin.min()), float(found.margin.max())
+        low, high = float(np.percentile(found.margin, _OUTLIERS)), float(found.margin.max())
         bins = np.linspace(low, max(high, low + 0.05), 13)
-        groups = [found.margin[found.passed == each] for each in (1.0, 0.0)]
+        shown = np.maximum(found.margin, low)
+        groups = [shown[found.passed == each] for each in (1.0, 0.0)]
         names = [f"passed ({len(groups[0])})", f"failed ({len(groups[1])})"]
         colours = [PASSED_COLOUR, FAILED_COLOUR]
         axes.hist(groups, bins=bins, stacked=True, color=colours, label=names)
         axes.legend(frameon=False, fontsize=7.0)
-    axes.set_xlabel("margin of the forces as sensed [N]")
+    axes.set_xlabel("margin of the forces as sensed [N]\n(first bar: and below)")
     axes.set_ylabel("trials")
 
 

@@ -86,6 +86,8 @@ def test_a_hand_that_cannot_do_it_makes_the_gait_infeasible(monkeypatch, words, 
     def refuse(*_args, **_options):
         raise InfeasibleError(words, where="03_removal", mend="choose other contacts")
 
+    # this one first: it is loaded here, and must not take the other name's refusal for its own
+    monkeypatch.setattr("pivotgait.feasibility.torque_mends.plan_gait", refuse)
     monkeypatch.setattr("pivotgait.gaits.plan_gait", refuse)
     found = judge(Variants(SCENE), VerdictOptions(hand=True, volume=False))
     assert not found.feasible
