@@ -18,7 +18,6 @@ of the table stays as it is.
 from __future__ import annotations
 
 import argparse
-import json
 import warnings
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -35,6 +34,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 from scipy.spatial.transform import Rotation
+from study_files import write_results
 
 from pivotgait.contacts import grasp_map
 from pivotgait.dynamics import pivot_motion
@@ -379,7 +379,7 @@ def main(
     }
     files = save_figure(picture(situation, sweeps), out, f"removal_{scene}")
     target = out / f"removal_{scene}.json"
-    target.write_text(json.dumps(_plain(result), indent=1, allow_nan=False) + "\n")
+    write_results(target, result)
     tell(console, situation, sweeps, result["findings"])
     console.print(
         f"{files.png.name}, {files.pdf.name}, {target.name}: {perf_counter() - began:.0f} s"
@@ -415,15 +415,6 @@ def findings(sweeps: dict[str, Sweep]) -> dict[str, Any]:
         "least_force_unconfirmed": sum(not cell.bracketed for cell in cells),
         "smaller_turn_exists": sum(cell.nearer_found for cell in cells),
     }
-
-
-def _plain(value: Any) -> Any:
-    """The same with null for NaN, which JSON does not know."""
-    if isinstance(value, dict):
-        return {key: _plain(each) for key, each in value.items()}
-    if isinstance(value, list):
-        return [_plain(each) for each in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def tell(

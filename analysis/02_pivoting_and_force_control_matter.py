@@ -22,7 +22,6 @@ al., with the handle as planned and half a millimetre thicker.
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -33,6 +32,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
+from study_files import write_results
 
 from pivotgait.gaits import plan_gait
 from pivotgait.models import Scene, load_scene
@@ -191,8 +191,7 @@ def main(quick: bool = False, out: Path | None = None) -> dict[str, Any]:
         rows = [[shown[way.name, w] for way in ways if way.pivoting] for w in SHOWN_WIDTH_M]
         save_figure(outcome_maps(maps), out, "control_outcomes")
         save_figure(pressing_fingers(rows), out, "control_added_finger")
-        text = json.dumps(result, allow_nan=False, indent=1)
-        (out / "control.json").write_text(text + "\n")
+        write_results(out / "control.json", result)
     return result
 
 

@@ -22,7 +22,6 @@ swings more mass about J4, which the arm's maker limits. Both enter.
 from __future__ import annotations
 
 import argparse
-import json
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -38,6 +37,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 from scipy.optimize import brentq
+from study_files import write_results
 
 from pivotgait.gaits.itinerary import Itinerary
 from pivotgait.gaits.steps import plan_steps
@@ -425,7 +425,7 @@ def main(quick: bool = False, out: Path = Path("reports/out/analysis/03")) -> di
     save_figure(mounting_maps(pictured, own=own, tilt_max_deg=limit), out, "mounting")
     save_figure(place_maps(maps), out, "place")
     target = out / "reach.json"
-    target.write_text(json.dumps(_plain(result), indent=1, allow_nan=False) + "\n")
+    write_results(target, result)
     tell(console, result)
     console.print(f"{target.parent}: {perf_counter() - began:.0f} s")
     return result
@@ -496,15 +496,6 @@ def mounting_map(
         1e3 * grid("stroke_m"),
         1e3 * grid("singular_value_m"),
     )
-
-
-def _plain(value: Any) -> Any:
-    """The same with null for NaN, which JSON does not know."""
-    if isinstance(value, dict):
-        return {key: _plain(each) for key, each in value.items()}
-    if isinstance(value, list):
-        return [_plain(each) for each in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def tell(console: Console, result: dict[str, Any]) -> None:

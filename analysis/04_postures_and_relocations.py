@@ -23,7 +23,6 @@ Failures count with the time they took.
 from __future__ import annotations
 
 import argparse
-import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -40,6 +39,7 @@ from rich.progress import track
 from rich.table import Table
 from scipy.spatial.transform import Rotation
 from scipy.stats import binomtest
+from study_files import write_results
 
 from pivotgait.benchmarks.relocation import knife_grip, relocation_problems
 from pivotgait.contacts import contact_frame
@@ -496,7 +496,7 @@ def main(quick: bool = False, out: Path = Path("reports/out/analysis/04")) -> di
     }
     save_figure(planning_times(panels(result), limit_s=TIME_LIMIT_S), out, "times")
     target = out / "success.json"
-    target.write_text(json.dumps(_plain(result), indent=1, allow_nan=False) + "\n")
+    write_results(target, result)
     tell(console, result)
     console.print(f"{out}: {perf_counter() - began:.0f} s")
     return result
@@ -529,15 +529,6 @@ def panels(result: Mapping[str, Any]) -> dict[str, dict[str, Array]]:
         "relocation": relocations,
         "relocation, benchmark": blocked,
     }
-
-
-def _plain(value: Any) -> Any:
-    """The same with null for NaN, which JSON does not know."""
-    if isinstance(value, dict):
-        return {key: _plain(each) for key, each in value.items()}
-    if isinstance(value, list):
-        return [_plain(each) for each in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def tell(console: Console, result: Mapping[str, Any]) -> None:

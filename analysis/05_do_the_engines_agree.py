@@ -25,7 +25,6 @@ of all forces to their normals, in the plan and in each engine. The paper shows 
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -36,6 +35,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
+from study_files import write_results
 
 from pivotgait.gaits import plan_gait
 from pivotgait.models import Scene, load_scene
@@ -185,7 +185,7 @@ def main(quick: bool = False, out: Path = Path("reports/out/analysis/05")) -> di
     out.mkdir(parents=True, exist_ok=True)
     draw(plan, scene, removal, runs, out)
     target = out / "engines.json"
-    target.write_text(json.dumps(result, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    write_results(target, result)
     tell(console, result)
     console.print(f"{out}: {perf_counter() - began:.0f} s")
     return result

@@ -12,15 +12,12 @@ counts without the scene's reserve, as it does for plans.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 from rich.console import Console
-
-sys.path.insert(0, str(Path(__file__).parent))
 from study_files import run_from_command_line, write_results
 
 from pivotgait.feasibility import FeasibilityMap, MapAxis, Question, Variants, trace_slices

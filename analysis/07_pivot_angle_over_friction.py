@@ -8,14 +8,11 @@ forces. The table's friction stays; the reserve of friction is 0, so that 0.6 me
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rich.console import Console
-
-sys.path.insert(0, str(Path(__file__).parent))
 from study_files import run_from_command_line, write_results
 
 from pivotgait.exceptions import PivotGaitError

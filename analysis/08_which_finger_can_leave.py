@@ -7,15 +7,12 @@ how far must it turn until they do? Friction counts without the scene's reserve,
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rich.console import Console
-
-sys.path.insert(0, str(Path(__file__).parent))
 from study_files import run_from_command_line, write_results
 
 from pivotgait.feasibility import Question, Variants

@@ -8,15 +8,12 @@ of the plan keeps, so the plan's smallest friction margin is at least as large. 
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rich.console import Console
-
-sys.path.insert(0, str(Path(__file__).parent))
 from study_files import run_from_command_line, write_results
 
 from pivotgait.exceptions import PivotGaitError

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import sys
 from collections import Counter
 from contextlib import suppress
 from pathlib import Path
@@ -29,8 +28,6 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 from rich.progress import track
-
-sys.path.insert(0, str(Path(__file__).parent))
 from study_files import run_from_command_line, write_results
 from trial_margins import SWEPT, PlanMargins, alone
 from trial_prediction import MARGINS, NO_RUN, prediction

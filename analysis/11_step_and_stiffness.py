@@ -8,13 +8,13 @@ where the step is longer. What passes, and how closely each run followed, stands
 from __future__ import annotations
 
 import argparse
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+from study_files import write_results
 
 from pivotgait.gaits import plan_gait
 from pivotgait.models import load_scene
@@ -67,9 +67,7 @@ def main(
     }
     tell(result)
     if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-        text = json.dumps(result, allow_nan=False, indent=1)
-        (out / f"step_and_stiffness_{simulator}.json").write_text(text + "\n")
+        write_results(out / f"step_and_stiffness_{simulator}.json", result)
     return result
 
 

@@ -12,17 +12,14 @@ they fall as low in runs that pass; normal forces and orientation are right, but
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from recovery_trials import DisturbedOptions
 from rich.console import Console
 from rich.table import Table
-
-sys.path.insert(0, str(Path(__file__).parent))
-from recovery_trials import DisturbedOptions
 from study_files import run_from_command_line, write_results
 
 from pivotgait.control import RecoveryOptions

@@ -1,1 +1,1 @@
-"""What each command does; ``cli.py`` gives them names and options."""
+"""What each command does; ``cli`` gives them names and options."""

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from rich.markup import escape
 
 from pivotgait.commands.output import Output, verdict
 from pivotgait.exceptions import InputError
 from pivotgait.feasibility import Variants, Verdict, VerdictOptions, judge
-from pivotgait.models import builtin_scenes, load_scene
+from pivotgait.models import load_scene, scene_folder
 from pivotgait.models.parameters import Value
 
 _SHOWN = {
@@ -32,13 +31,12 @@ def run_feasibility(scene: str, given: Sequence[str], options: VerdictOptions, o
     """Judge a scene's gait; returns the exit code: 1 where it is infeasible."""
     changes = read_changes(given)
     loaded = load_scene(scene)
-    folder = None if scene in builtin_scenes() else Path(scene).parent
     with out.progress(f"judging {loaded.name}", None) as bar:
 
         def tell(text: str) -> None:
             bar.update(bar.task_ids[0], description=escape(f"judging {loaded.name}: {text}"))
 
-        found = judge(Variants(loaded, folder), options, changes=changes, tell=tell)
+        found = judge(Variants(loaded, scene_folder(scene)), options, changes=changes, tell=tell)
     show_verdict(loaded.name, found, options, out)
     summary = {"scene": loaded.name, "set": changes, **found.as_json()}
     out.emit(summary)

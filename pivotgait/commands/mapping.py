@@ -25,7 +25,7 @@ from pivotgait.feasibility import (
     trace_map,
     trace_slices,
 )
-from pivotgait.models import builtin_scenes, load_scene
+from pivotgait.models import load_scene, scene_folder
 from pivotgait.models.parameters import Value
 
 SLICES = 3
@@ -70,7 +70,7 @@ def run_maps(
     across, up = (read_axis(text) for text in request.maps[:2])
     slices = read_slices(request.maps[2:])
     loaded = load_scene(scene)
-    variants = Variants(loaded, None if scene in builtin_scenes() else Path(scene).parent)
+    variants = Variants(loaded, scene_folder(scene))
     turn = {} if request.turn_max_deg is None else {"turn_max_deg": request.turn_max_deg}
     question = Question.about(
         variants.scene_with(changes),

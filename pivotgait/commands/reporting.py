@@ -13,7 +13,7 @@ from pivotgait.commands.output import Output
 from pivotgait.commands.planning import Planned, make_plan, show_phases, write_json
 from pivotgait.commands.validation import show_trials
 from pivotgait.exceptions import InputError
-from pivotgait.models import builtin_scenes
+from pivotgait.models import scene_folder
 from pivotgait.plans import GaitPlan
 from pivotgait.sweeps.folder import MANIFEST
 from pivotgait.validation import TrialOptions, TrialResult, TrialSet, run_trials, write_record
@@ -150,7 +150,7 @@ def _carry_out(
     if not (by_default if wanted.validate is None else wanted.validate):
         return {}
     # where the scene's own paths start, not the folder of the plan
-    home = None if scene in builtin_scenes() else Path(scene).parent
+    home = scene_folder(scene)
     found = {"validation": _try(plan, range(seed, seed + 1), False, home, out)}
     write_record(found["validation"], plan, folder / "record.h5")
     if wanted.trials:

@@ -29,6 +29,7 @@ from pivotgait.models import Scene, builtin_scenes, load_scene
 
 _ENDED = {
     "exhausted": "every branch died",
+    "impossible": "forces forbid every order of fingers",
     "time": "the time is up",
     "plans": "no sequence tried could be planned",
 }

@@ -11,7 +11,8 @@ from pivotgait.gait_search.deaths import Deaths
 from pivotgait.gait_search.full_plan import FoundGait
 from pivotgait.gait_search.goal_text import read_contacts, read_goal
 from pivotgait.gait_search.goals import Goal, LiftedOff, NamedGrasp, PowerGrasp
-from pivotgait.gait_search.search import News, SearchOptions, SearchResult, search_gait
+from pivotgait.gait_search.search import search_gait
+from pivotgait.gait_search.search_result import News, SearchOptions, SearchResult
 
 __all__ = [
     "Candidate",

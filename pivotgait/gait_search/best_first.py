@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
+from math import inf
 from typing import Any, Generic, TypeVar
 
 S = TypeVar("S")
@@ -30,6 +31,7 @@ class Branch(Generic[S, M]):
         parent: the branch it grew from, None for the start.
         move: from the parent.
         checked: number of checks passed.
+        delay: added to its rank: it waits so much longer than its cost says.
         dead: whether it has been given up, and all that grows from it.
         notes: what checks found out, for those that come later.
     """
@@ -39,6 +41,7 @@ class Branch(Generic[S, M]):
     parent: Branch[S, M] | None = None
     move: M | None = None
     checked: int = 0
+    delay: float = 0.0
     dead: bool = False
     notes: Any = None
 
@@ -54,7 +57,7 @@ class Branch(Generic[S, M]):
 
 
 Check = Callable[[Branch[S, M]], bool]
-"""Whether a branch may live; may raise its cost and change its state, move and notes."""
+"""Whether a branch may live; may raise its cost or delay, and change its state, move and notes."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,7 @@ class Graph(Generic[S, M]):
     Attributes:
         key: states with the same one are the same.
         moves: from a state: moves, the states they lead to, and their least costs.
-        estimate: of the rest of the cost from a state.
+        estimate: of the rest of the cost from a state; infinite where no way leads to a goal.
         reached: whether a state is a goal; goals are not left again.
         checks: of a branch, from the cheapest to the dearest.
     """
@@ -150,5 +153,7 @@ class BestFirst(Generic[S, M]):
     def _push(self, branch: Branch[S, M]) -> None:
         if self._used_up(branch):
             return
-        rank = branch.cost + self._inflation * self._graph.estimate(branch.state)
+        rank = branch.cost + self._inflation * self._graph.estimate(branch.state) + branch.delay
+        if rank == inf:
+            return
         heapq.heappush(self._queue, (rank, next(self._order), branch))

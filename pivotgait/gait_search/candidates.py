@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -126,6 +126,14 @@ def fingers_of(scene: Scene) -> tuple[str, ...]:
     if scene.robot is not None:
         return tuple(scene.robot.fingers)
     return tuple(dict.fromkeys(contact.finger for contact in scene.contacts.values()))
+
+
+def by_finger(fingers: Iterable[str], candidates: Candidates) -> dict[str, list[Candidate]]:
+    """Candidates of each finger; none of one that has no place."""
+    found: dict[str, list[Candidate]] = {name: [] for name in fingers}
+    for each in candidates.values():
+        found[each.finger].append(each)
+    return found
 
 
 def _candidate(scene: Scene, finger: str, place: Place, surface: SurfacePoint) -> Candidate:

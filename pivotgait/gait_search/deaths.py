@@ -7,6 +7,7 @@ from typing import Any
 
 STAGES = (
     "place on the handle",
+    "order of fingers",
     "over the table",
     "span of the hand",
     "forces at rest",

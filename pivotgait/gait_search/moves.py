@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations, product
 from types import MappingProxyType
 
@@ -14,10 +16,17 @@ from scipy.spatial.transform import Rotation, Slerp
 from pivotgait.feasibility.turns import Turn, smallest_tilt
 from pivotgait.frozen import Array
 from pivotgait.gait_search.best_first import Branch
-from pivotgait.gait_search.candidates import Candidate, Candidates, fingers_of, tip_centres
+from pivotgait.gait_search.candidates import (
+    Candidate,
+    Candidates,
+    by_finger,
+    fingers_of,
+    tip_centres,
+)
 from pivotgait.gait_search.cost import Cost, CostWeights
 from pivotgait.gait_search.deaths import Deaths
 from pivotgait.gait_search.hand_reach import HandReach
+from pivotgait.gait_search.order import FEWEST, Prices
 from pivotgait.gait_search.states import GraspState, Move
 from pivotgait.gait_search.static_tests import can_carry, grasp_depths
 from pivotgait.gait_search.timing import HOVER_M, RETREAT_M, PhaseStyle
@@ -26,10 +35,12 @@ from pivotgait.models import LiftTarget, Scene
 Branches = Branch[GraspState, Move]
 LIFT_SAMPLES = 5
 """Attitudes of a lift at which its fingers must hold the tool."""
+NEARLY_N = 0.05
+"""A coarse scan that comes so near to a good attitude may have missed a narrow patch."""
+OTHER_PITCH = 4.0
+"""What a lift to another pitch than the scene's own waits longer."""
 LIFTED_BY = 2
 """Fingers that lift the tool: more are added while it rests on its pivot."""
-FEWEST = 2
-"""Fingers that can hold the tool on its pivot."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,13 +80,29 @@ class Moves:
         self.scene, self.weights, self.deaths = scene, weights, deaths
         self.style = PhaseStyle.of(scene)
         self._options = options or MoveOptions()
-        self._by_finger: dict[str, list[Candidate]] = {name: [] for name in fingers_of(scene)}
-        for each in candidates.values():
-            self._by_finger[each.finger].append(each)
+        self._by_finger = by_finger(fingers_of(scene), candidates)
         robot = scene.robot
         self._radii = {f.name: f.tip_radius for f in robot.fingers.values()} if robot else {}
         self._reach = None if robot is None else HandReach(robot, scene.clearance)
         self._turns: dict[tuple[tuple[str, ...], bytes], Turn] = {}
+        self._coarse = False
+
+    def narrowed(self, candidates: Candidates, deaths: Deaths) -> Moves:
+        """These moves with other candidates, judged more coarsely where that is enough.
+
+        Args:
+            candidates: where fingers may come.
+            deaths: counts moves that cannot be made.
+        """
+        same = copy(self)
+        same.deaths, same._by_finger = deaths, by_finger(self._by_finger, candidates)
+        same._turns, same._coarse = {}, True
+        return same
+
+    @cached_property
+    def lifts(self) -> tuple[Move, ...]:
+        """Off the table, whatever the goal."""
+        return tuple(self._lifts(self.start()))
 
     def start(self) -> GraspState:
         """The tool on the table."""
@@ -93,12 +120,26 @@ class Moves:
         cost += Cost(time_s=transfers * style.transfer.duration_s)
         return cost.total(self.weights)
 
+    @property
+    def prices(self) -> Prices:
+        """Least cost of a move of each kind."""
+        kinds = np.eye(4, dtype=int).tolist()
+        return Prices(*(self.least(*counts) for counts in kinds))
+
     def of(self, branch: Branches) -> Iterator[tuple[Move, GraspState, float]]:
         """Moves from a branch's state, the states after them and their costs."""
         state = branch.state
-        moves = self._lifts(state) if not state.held else self._changes(state)
+        moves = iter(self.lifts) if not state.held else self._changes(state)
         for move in moves:
             yield move, move.after, move.cost.total(self.weights)
+
+    def prefer_own_lifts(self, branch: Branches) -> bool:
+        """A lift to another pitch than that of the scene's gaits waits longer."""
+        move = branch.move
+        own = self.style.lift.to.pitch_deg
+        if move is not None and move.target is not None and move.target.pitch_deg != own:
+            branch.delay += OTHER_PITCH
+        return True
 
     def settle_removal(self, branch: Branches) -> bool:
         """Look for the attitude in which the others hold the tool; turning it costs."""
@@ -119,21 +160,34 @@ class Moves:
         return True
 
     def _lifts(self, state: GraspState) -> Iterator[Move]:
-        for target in self.targets():
-            end = self.scene.lift_rotation(target)
-            if float(self.scene.height(end)) < self.scene.clearance:
-                self.deaths.add("over the table", f"tool at a pitch of {target.pitch_deg:g} deg")
-                continue
-            way = Slerp([0.0, 1.0], Rotation.concatenate((state.rotation, end)))
-            attitudes = way(np.linspace(0.0, 1.0, LIFT_SAMPLES))
-            base = Cost(self._lift_angle(target), time_s=self.style.lift.duration_s)
-            for grasps in self._first_grasps(state.rotation):
-                for held, depth in self._holding(grasps, attitudes):
-                    after = GraspState(
-                        end, MappingProxyType({each.finger: each for each in held}), depth_N=depth
-                    )
-                    cost = base + Cost(shortfall=self.weights.shortfall(depth))
-                    yield Move("lift", tuple(held), after, cost, target)
+        targets = [each for each in self.targets() if self._clear_of_table(each)]
+        for grasps in self._first_grasps(state.rotation):
+            depths = self._depths(grasps, state.rotation, exact=False)
+            self.deaths.add("forces at rest", "lift", int((depths < 0.0).sum()))
+            good = [each for each, depth in zip(grasps, depths, strict=True) if depth >= 0.0]
+            for target in targets:
+                yield from self._lifts_to(target, state.rotation, good)
+
+    def _clear_of_table(self, target: LiftTarget) -> bool:
+        if float(self.scene.height(self.scene.lift_rotation(target))) >= self.scene.clearance:
+            return True
+        self.deaths.add("over the table", f"tool at a pitch of {target.pitch_deg:g} deg")
+        return False
+
+    def _lifts_to(
+        self, target: LiftTarget, start: Rotation, grasps: Sequence[tuple[Candidate, ...]]
+    ) -> Iterator[Move]:
+        """Of grasps that hold the tool at the start."""
+        end = self.scene.lift_rotation(target)
+        way = Slerp([0.0, 1.0], Rotation.concatenate((start, end)))
+        attitudes = way(np.linspace(0.0, 1.0, LIFT_SAMPLES)[1:])
+        base = Cost(self._lift_angle(target), time_s=self.style.lift.duration_s)
+        for held, depth in self._holding(grasps, attitudes):
+            after = GraspState(
+                end, MappingProxyType({each.finger: each for each in held}), depth_N=depth
+            )
+            cost = base + Cost(shortfall=self.weights.shortfall(depth))
+            yield Move("lift", tuple(held), after, cost, target)
 
     def _first_grasps(self, rotation: Rotation) -> Iterator[list[tuple[Candidate, ...]]]:
         """Batches of grasps of the same fingers that the hand may take on the table."""
@@ -234,7 +288,10 @@ class Moves:
         key = tuple(each.name for each in staying), state.rotation.as_quat().tobytes()
         if key not in self._turns:
             contacts = [each.contact for each in staying]
-            self._turns[key] = smallest_tilt(self.scene, contacts, state.rotation)
+            turn = smallest_tilt(self.scene, contacts, state.rotation, coarse=self._coarse)
+            if self._coarse and not turn.feasible and turn.depth > -NEARLY_N:
+                turn = smallest_tilt(self.scene, contacts, state.rotation)
+            self._turns[key] = turn
         return self._turns[key]
 
     def targets(self) -> list[LiftTarget]:

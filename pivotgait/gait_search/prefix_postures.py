@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
-from pivotgait.frozen import Array, FrozenArrays
-from pivotgait.gait_search.best_first import Branch
+from pivotgait.frozen import Array
 from pivotgait.gait_search.deaths import Deaths
 from pivotgait.gait_search.goals import Goal
 from pivotgait.gait_search.guidance import Guidance
+from pivotgait.gait_search.notes import Branches, Prefix, notes_of
 from pivotgait.gait_search.palm import PalmDistance
 from pivotgait.gait_search.states import GraspState, Move
 from pivotgait.gait_search.timing import STAND_OFF_M
@@ -22,22 +22,41 @@ from pivotgait.planning.key_posture import KeyPose
 from pivotgait.planning.posture_chain import PostureChain, Postures, Refused
 from pivotgait.planning.posture_search import PostureOptions, PostureSearch
 
+PATIENCE = 5.0
+"""Branches that costs say are so much worse are looked at before random starts are made."""
+_PALM = "palm"
+
 
 @dataclass(frozen=True, eq=False)
-class Prefix(FrozenArrays):
-    """A branch's key poses so far and postures for them.
+class Task:
+    """What postures are sought for.
 
     Attributes:
-        keys: in the order of time.
-        q: (K, nv).
+        keys: of the branch before, of its own move, and to come.
+        before: of the branch before.
+        done: number of key poses without those to come.
     """
 
     keys: tuple[KeyPose, ...]
-    q: Array
+    before: Prefix
+    done: int
+
+    @property
+    def known(self) -> int:
+        """Key poses whose postures may stay as they are: all of the branch before but its last."""
+        return max(self.before.done - 1, 0)
+
+    def start(self) -> Array:
+        """(K, nv) postures of the branch before: its own, and those it had in view, by contacts."""
+        before = self.before
+        seen = {_names(key): q for key, q in zip(before.keys, before.q, strict=True)}
+        last = before.q[before.done - 1]
+        later = [seen.get(_names(key), last) for key in self.keys[before.done :]]
+        return np.concatenate((before.q[: before.done], np.array(later)))
 
 
 class PrefixPostures:
-    """Tests whether the hand has postures for a branch.
+    """Tests whether the hand has postures for a branch and for what is to come after it.
 
     Args:
         scene: with a robot.
@@ -45,8 +64,8 @@ class PrefixPostures:
         goal: of the search; says how near the palm must be in the end.
         deaths: counts branches without postures.
         guidance: postures at the goal, from which each branch is tried, too.
+        options: of the random starts for a branch.
         seed: of the starts; the same seed gives the same postures.
-        starts: most random starts for a branch.
 
     Attributes:
         tried: number of branches tested.
@@ -59,67 +78,96 @@ class PrefixPostures:
         goal: Goal,
         deaths: Deaths,
         guidance: Guidance,
+        options: PostureOptions,
         seed: int,
-        starts: int,
     ) -> None:
         self._scene, self._robot, self._goal, self._deaths = scene, robot, goal, deaths
-        self._guidance = guidance
-        self._seed, self._options = seed, PostureOptions(starts=starts, time_limit_s=np.inf)
+        self._guidance, self._options, self._seed = guidance, options, seed
         self._world = CollisionWorld(robot, scene.tool, scene.table.height, scene.clearance)
         self._palm = PalmDistance(robot, scene.tool)
         self.tried = 0
 
-    def check(self, branch: Branch[GraspState, Move]) -> bool:
-        """Whether there are postures; they become the branch's notes."""
-        parent, move = branch.parent, branch.move
-        if parent is None or move is None:
+    def quick(self, branch: Branches) -> bool:
+        """Look for postures near known ones; without them the branch waits, but lives on."""
+        if branch.parent is None or branch.move is None:
             return True
         self.tried += 1
-        before = parent.notes or Prefix((), np.zeros((0, self._robot.nv)))
-        keys = (*before.keys, *self._new_keys(parent.state, move))
-        refused = Refused("postures", "no start was made")
-        far = np.inf
-        for found in self._attempts(before, keys):
-            if isinstance(found, Refused):
-                refused = found
-                continue
-            far = min(far, distance := self._palm_distance(branch, keys, found))
-            if distance <= self._goal.palm_max_m:
-                branch.notes = Prefix(keys, found.q)
-                return True
-        if far < np.inf:
+        if isinstance(self._fitted(branch, self._near), Refused):
+            branch.delay += PATIENCE
+        return True
+
+    def thorough(self, branch: Branches) -> bool:
+        """Look for postures from random starts unless some are known; they are the last hope."""
+        if branch.parent is None or branch.move is None or notes_of(branch).prefix is not None:
+            return True
+        refused = self._fitted(branch, self._anywhere)
+        if refused is None:
+            return True
+        if refused.kind == _PALM:
             self._deaths.add("palm", "too far from the handle")
         else:
-            self._deaths.add("postures", f"{refused.kind} at a {move.kind}")
+            self._deaths.add("postures", f"{refused.kind} at a {branch.move.kind}")
         return False
 
-    def _attempts(self, before: Prefix, keys: tuple[KeyPose, ...]) -> Iterator[Postures | Refused]:
-        """Postures for the new key poses and the last one before, then for all from there."""
-        known = max(len(before.q) - 1, 0)
-        window = keys[known:]
-        for found in self._near(before.q[-1:], window):
-            if isinstance(found, Refused) or not known:
-                yield found
-                continue
-            chain = self._chain(keys)
-            start = np.concatenate((before.q[:known], found.q))
-            yield chain.settle(start, self._options.rounds[2])
-
-    def _near(self, last: Array, keys: tuple[KeyPose, ...]) -> Iterator[Postures | Refused]:
-        """From where the branch before ended, from the goal's postures, from random starts."""
-        options, chain = self._options, self._chain(keys)
-        for start in (*last, *self._guidance.q):
-            reached = chain.reach(np.repeat(start[None], len(keys), axis=0), options.rounds[1])
-            if isinstance(reached, Refused):
-                yield reached
+    def _fitted(
+        self, branch: Branches, attempts: Callable[[Task], Iterator[Postures | Refused]]
+    ) -> Refused | None:
+        """Postures from the first attempt that gives some, as the branch's notes; or why not."""
+        task = self._task(branch)
+        refused = Refused("reach", "no start")
+        for found in attempts(task):
+            if isinstance(found, Refused):
+                refused = found
+            elif self._palm_distance(branch, task.keys, found) > self._goal.palm_max_m:
+                refused = Refused(_PALM, "handle")
             else:
-                yield chain.settle(reached, options.rounds[2])
+                branch.notes = replace(
+                    notes_of(branch), prefix=Prefix(task.keys, found.q, task.done)
+                )
+                return None
+        return refused
+
+    def _task(self, branch: Branches) -> Task:
+        """Key poses so far, those of the branch's own move, and those to come."""
+        parent, move = branch.parent, branch.move
+        assert parent is not None
+        assert move is not None
+        before = notes_of(parent).prefix or Prefix((), np.zeros((0, self._robot.nv)), 0)
+        new = tuple(self._new_keys(parent.state, move))
+        come = tuple(self._keys_to_come(notes_of(branch).rest))
+        return Task((*before.keys[: before.done], *new, *come), before, before.done + len(new))
+
+    def _near(self, task: Task) -> Iterator[Postures | Refused]:
+        """From where the branch before was and was to go, then from the goal's postures."""
+        if task.before.done:
+            yield self._chain(task.keys).settle(task.start(), self._options.rounds[2])
+        for start in (*self._guidance.q, self._robot.home):
+            yield from self._window(task, self._reached(task, start))
+
+    def _reached(self, task: Task, start: Array) -> Postures | Refused:
+        window = task.keys[task.known :]
+        chain, rounds = self._chain(window), self._options.rounds
+        reached = chain.reach(np.repeat(start[None], len(window), axis=0), rounds[1])
+        return reached if isinstance(reached, Refused) else chain.settle(reached, rounds[2])
+
+    def _anywhere(self, task: Task) -> Iterator[Postures | Refused]:
+        """From random starts."""
         rng = np.random.default_rng((self._seed, self.tried))
-        search = PostureSearch(self._robot, self._world, keys, rng, options)
-        yield from search.candidates()
+        keys = task.keys[task.known :]
+        search = PostureSearch(self._robot, self._world, keys, rng, self._options)
+        for found in search.candidates():
+            yield from self._window(task, found)
         if search.record.failures:
             kind, _, about = search.record.failures.most_common(1)[0][0].partition(": ")
             yield Refused(kind, about)
+
+    def _window(self, task: Task, found: Postures | Refused) -> Iterator[Postures | Refused]:
+        """Postures for the last key poses taken on to all of them."""
+        if isinstance(found, Refused) or not task.known:
+            yield found
+            return
+        start = np.concatenate((task.before.q[: task.known], found.q))
+        yield self._chain(task.keys).settle(start, self._options.rounds[2])
 
     def _chain(self, keys: tuple[KeyPose, ...]) -> PostureChain:
         return PostureChain(self._robot, self._world, keys, self._options.singular_value_min)
@@ -146,15 +194,23 @@ class PrefixPostures:
         }
         return KeyPose(key.name, key.rotation, key.position, {**key.contacts, **left})
 
+    def _keys_to_come(self, rest: Sequence[Move]) -> Iterator[KeyPose]:
+        """The grasps that fingers are added to, up to the goal."""
+        for move in rest:
+            if move.kind == "addition":
+                yield self._key(f"end of {move.name}", move.after.rotation, move.after)
+
     def _key(self, name: str, rotation: Rotation, state: GraspState) -> KeyPose:
         contacts = {finger: each.contact for finger, each in state.held.items()}
         position = self._scene.centre_of_mass(rotation)
         return KeyPose(name, rotation.as_matrix(), position, contacts)
 
-    def _palm_distance(
-        self, branch: Branch[GraspState, Move], keys: tuple[KeyPose, ...], found: Postures
-    ) -> float:
+    def _palm_distance(self, branch: Branches, keys: tuple[KeyPose, ...], found: Postures) -> float:
         """Of the goal; 0 before it, where the palm may be anywhere."""
         if not self._goal.reached(branch.state.held) or self._goal.palm_max_m == np.inf:
             return 0.0
         return self._palm(found.q[-1], keys[-1].rotation, keys[-1].position)
+
+
+def _names(key: KeyPose) -> frozenset[str]:
+    return frozenset(each.name for each in key.contacts.values())

@@ -4,112 +4,32 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from types import MappingProxyType
-from typing import Literal
 
 import numpy as np
 
 from pivotgait.exceptions import InputError
 from pivotgait.frozen import Array
-from pivotgait.gait_search.best_first import BestFirst, Branch, Graph
-from pivotgait.gait_search.candidates import Candidate, CandidateOptions, handle_candidates
-from pivotgait.gait_search.cost import CostWeights
+from pivotgait.gait_search.best_first import BestFirst, Graph
+from pivotgait.gait_search.candidates import Candidate, handle_candidates
 from pivotgait.gait_search.deaths import Deaths
 from pivotgait.gait_search.found_scene import found_scene
 from pivotgait.gait_search.full_plan import FoundGait, plan_fully
 from pivotgait.gait_search.goals import Goal, estimate_moves
 from pivotgait.gait_search.guidance import Guidance
 from pivotgait.gait_search.moves import LIFTED_BY, MoveOptions, Moves
-from pivotgait.gait_search.prefix_postures import Prefix, PrefixPostures
+from pivotgait.gait_search.notes import Branches, notes_of
+from pivotgait.gait_search.order import Order
+from pivotgait.gait_search.order_by_forces import order_by_forces
+from pivotgait.gait_search.prefix_postures import PrefixPostures
+from pivotgait.gait_search.rollout import Rollout
+from pivotgait.gait_search.search_result import Ended, News, SearchOptions, SearchResult
 from pivotgait.gait_search.states import GraspState, Move
 from pivotgait.models import Scene
-
-Ended = Literal["found", "exhausted", "time", "plans"]
-Branches = Branch[GraspState, Move]
-
-
-@dataclass(frozen=True)
-class SearchOptions:
-    """How to search.
-
-    Attributes:
-        weights: of the cost.
-        candidates: how densely the handle is covered.
-        pitches_deg: of lifts, besides the one of the scene's gaits [deg].
-        inflation: of the estimate of the rest; above 1 the search is greedier.
-        visits: times a grasp may be left on different paths: postures depend on the path.
-        starts: random starts of the postures of each branch.
-        plan_starts: starts of the postures of a whole plan.
-        plans: most sequences that are planned fully.
-        sequences: certified ones to find, of which the cheapest as measured is taken.
-        time_limit_s: no branch is looked at after this time [s].
-        hand: whether the scene's robot is asked; else the tool and its forces alone.
-    """
-
-    weights: CostWeights = field(default_factory=CostWeights)
-    candidates: CandidateOptions = field(default_factory=CandidateOptions)
-    pitches_deg: tuple[float, ...] = ()
-    inflation: float = 2.0
-    visits: int = 3
-    starts: int = 5
-    plan_starts: int = 24
-    plans: int = 20
-    sequences: int = 1
-    time_limit_s: float = 60.0
-    hand: bool = True
-
-    def __post_init__(self) -> None:
-        for name in ("inflation", "visits", "starts", "plan_starts", "plans", "sequences"):
-            if not 1 <= getattr(self, name) < np.inf:
-                raise InputError(f"is {getattr(self, name)}", where=name, mend="give 1 or more")
-        if not self.time_limit_s > 0.0:
-            mend = "give a time above 0, in seconds"
-            raise InputError(f"is {self.time_limit_s}", where="time_limit_s", mend=mend)
-
-
-@dataclass(frozen=True)
-class News:
-    """How far a search has come.
-
-    Attributes:
-        expanded: branches whose moves were looked at.
-        waiting: branches.
-        postures: branches whose postures were sought.
-        plans: sequences planned fully.
-        dead: branches and moves that died.
-    """
-
-    expanded: int
-    waiting: int
-    postures: int
-    plans: int
-    dead: int
-
-
-@dataclass(frozen=True, eq=False)
-class SearchResult:
-    """What came of a search; nothing found is a result too.
-
-    Attributes:
-        goal: as the user named it.
-        found: the cheapest certified sequence, None if there is none.
-        others: further certified ones.
-        ended: by what.
-        news: how far it came.
-        deaths: why branches died.
-        elapsed_s: time spent [s].
-    """
-
-    goal: str
-    found: FoundGait | None
-    others: tuple[FoundGait, ...]
-    ended: Ended
-    news: News
-    deaths: Deaths
-    elapsed_s: float
+from pivotgait.planning.posture_search import PostureOptions
 
 
 def search_gait(
@@ -127,8 +47,8 @@ def search_gait(
 
     Branches wait in the order of their cost and an estimate of the rest (A*). One that comes
     first is looked at more closely, step by step: forces at rest when it is made, the attitude
-    after a removal, the hand's postures for everything so far, and for a whole sequence the
-    planners of all phases and the certificate.
+    after a removal, the rest of the sequence by forces alone, the hand's postures for everything
+    so far and to come, and for a whole sequence the planners of all phases and the certificate.
 
     Args:
         scene: tool on the table, hand, limits; its gaits give the timing of phases and the
@@ -179,6 +99,11 @@ class _Search:
             self.deaths,
             MoveOptions(first, options.pitches_deg, goal.reached if goal.lifted_off else None),
         )
+        self.order: Order | None = None
+        self.rollout: Rollout | None = None
+        if goal.contacts:
+            self.order = order_by_forces(self.moves, goal)
+            self.rollout = Rollout(self.moves, goal, self.order, options.inflation)
         self.postures: PrefixPostures | None = None
         self.guidance: Guidance | None = None
         if (robot := self.scene.robot) is not None:
@@ -186,15 +111,25 @@ class _Search:
             rng = np.random.default_rng(seed)
             self.guidance = Guidance(self.scene, robot, goal, attitude, rng)
             self.postures = PrefixPostures(
-                self.scene, robot, goal, self.deaths, self.guidance, seed, options.starts
+                self.scene,
+                robot,
+                goal,
+                self.deaths,
+                self.guidance,
+                PostureOptions(starts=options.starts, time_limit_s=np.inf),
+                seed,
             )
-        checks = [self.moves.settle_removal]
+        checks = [self.moves.prefer_own_lifts, self.moves.settle_removal]
+        if self.rollout:
+            checks.append(self.rollout.check)
+        if self.postures:
+            checks += [self.postures.quick, self.postures.thorough]
         graph = Graph[GraspState, Move](
             key=lambda state: state.key,
             moves=self.moves.of,
             estimate=self.estimate,
             reached=lambda state: goal.reached(state.held) and state.hanging == goal.lifted_off,
-            checks=[*checks, self.postures.check] if self.postures else checks,
+            checks=checks,
         )
         self.search = BestFirst(
             graph, self.moves.start(), inflation=options.inflation, visits=options.visits
@@ -204,6 +139,9 @@ class _Search:
         """Until enough sequences are found or nothing is left."""
         found: list[FoundGait] = []
         ended: Ended = "exhausted"
+        if self.order is not None and not self.order.possible:
+            ended = "impossible"
+            self.deaths.add("order of fingers", self.order.binding)
         for branch in self.search.steps():
             if branch is not None and (gait := self.plan(branch)) is not None:
                 found.append(gait)
@@ -232,10 +170,15 @@ class _Search:
 
     def estimate(self, state: GraspState) -> float:
         """Least cost from a state to the goal, and what the hand's distance from it adds."""
+        return self.least(state) + (self.guidance.rank(state.held) if self.guidance else 0.0)
+
+    def least(self, state: GraspState) -> float:
+        """Least cost from a state to the goal."""
+        if self.order:
+            return self.order.rest(state.held, hanging=state.hanging)
         lifts, missing = estimate_moves(self.goal, state, LIFTED_BY)
         transfers = int(self.goal.lifted_off and not state.hanging)
-        least = self.moves.least(lifts, missing.additions, missing.removals, transfers)
-        return least + (self.guidance.rank(state.held) if self.guidance else 0.0)
+        return self.moves.least(lifts, missing.additions, missing.removals, transfers)
 
     def plan(self, branch: Branches) -> FoundGait | None:
         """Plan a branch's sequence fully; if that fails, bury what cannot be done."""
@@ -285,8 +228,8 @@ def without_robot(scene: Scene) -> Scene:
 
 def _middle_posture(path: list[Branches]) -> Array | None:
     """The posture at the key pose with the most contacts, the first of them."""
-    prefix = path[-1].notes
-    if not isinstance(prefix, Prefix):
+    prefix = notes_of(path[-1]).prefix
+    if prefix is None:
         return None
     most = max(range(len(prefix.keys)), key=lambda k: len(prefix.keys[k].contacts))
     return np.asarray(prefix.q[most])

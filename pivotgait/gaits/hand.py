@@ -249,9 +249,7 @@ class HandPlanner:
 
     def _check_limits(self, place: int, motion: JointMotion) -> None:
         robot = self._robot
-        beyond = np.maximum(robot.lower - motion.q, motion.q - robot.upper)
-        for i, k in robot.couplings:
-            beyond[:, i] = np.maximum(beyond[:, i], motion.q[:, i] - motion.q[:, k])
+        beyond = robot.beyond_limits(motion.q)
         if beyond.max() > 0.0:
             sample, joint = divmod(int(np.argmax(beyond)), robot.nv)
             what = f"leaves the limit of {robot.joint_names[joint]}"

@@ -23,6 +23,7 @@ from pivotgait.models.scene_loading import (
     load_scene,
     parse_scene,
     revise_scene,
+    scene_folder,
     scene_schema,
 )
 from pivotgait.models.shape import Shape
@@ -57,6 +58,7 @@ __all__ = [
     "parse_scene",
     "rest_pitch",
     "revise_scene",
+    "scene_folder",
     "scene_schema",
     "urdf_root",
 ]

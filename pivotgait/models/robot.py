@@ -87,6 +87,17 @@ class Robot(FrozenArrays):
         """Names of the joints in the order of q."""
         return tuple(self.model.names[1:])
 
+    def beyond_range(self, q: Array) -> Array:
+        """How far each coordinate of q (..., nv) is beyond its joint limits; negative within."""
+        return np.maximum(self.lower - q, q - self.upper)
+
+    def beyond_limits(self, q: Array) -> Array:
+        """How far each of q (..., nv) is beyond joint limits and couplings; negative within."""
+        beyond = self.beyond_range(q)
+        for i, k in self.couplings:
+            beyond[..., i] = np.maximum(beyond[..., i], q[..., i] - q[..., k])
+        return beyond
+
     def within_limits(self, q: Array, slack: float = 0.0) -> bool:
         """Whether q (nv,) or (N, nv) keeps joint limits and couplings up to ``slack``."""
         inside = np.all(q >= self.lower - slack) and np.all(q <= self.upper + slack)

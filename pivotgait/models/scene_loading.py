@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -14,6 +13,7 @@ from pydantic import ValidationError
 
 from pivotgait.exceptions import SceneError, UnknownNameError
 from pivotgait.frozen import Array
+from pivotgait.models.builtin_files import BuiltinFiles
 from pivotgait.models.paths import is_file
 from pivotgait.models.rest import attitude, rest_pitch
 from pivotgait.models.robot import Robot
@@ -27,11 +27,12 @@ from pivotgait.models.scene_yaml import MAX_BYTES, read_yaml
 from pivotgait.models.tool import Tool, load_tool
 from pivotgait.models.urdf_files import find_urdf
 
+_BUILTIN = BuiltinFiles("scene", "pivotgait.models", "scenes")
+
 
 def builtin_scenes() -> tuple[str, ...]:
     """Names of the scenes that come with the package, sorted."""
-    entries = (files("pivotgait.models") / "scenes").iterdir()
-    return tuple(sorted(e.name.removesuffix(".yaml") for e in entries if e.name.endswith(".yaml")))
+    return _BUILTIN.names()
 
 
 def export_scene(name: str) -> str:
@@ -40,9 +41,16 @@ def export_scene(name: str) -> str:
     Raises:
         UnknownNameError: listing the built-in scenes.
     """
-    if name not in builtin_scenes():
-        raise UnknownNameError("scene", name, builtin_scenes())
-    return (files("pivotgait.models") / "scenes" / f"{name}.yaml").read_text(encoding="utf-8")
+    return _BUILTIN.text(name)
+
+
+def scene_folder(scene: str) -> Path | None:
+    """In which a scene's relative URDF paths start; None for a built-in scene.
+
+    Args:
+        scene: as :func:`load_scene` takes it.
+    """
+    return None if scene in builtin_scenes() else Path(scene).parent
 
 
 def scene_schema() -> dict[str, Any]:

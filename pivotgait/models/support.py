@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import product
 
 import numpy as np
@@ -37,3 +38,32 @@ def support_balls(shape: Shape) -> tuple[Array, Array]:
     else:
         raise ValueError(f"shape {shape.name!r} is a {shape.kind}, not a primitive")
     return local @ shape.rotation.T + shape.translation, np.full(len(local), radius)
+
+
+def covering_balls(shapes: Iterable[Shape]) -> tuple[Array, Array]:
+    """Centres (P, 3) and radii (P,) of :func:`support_balls` of all shapes [m]; P may be 0."""
+    balls = [support_balls(shape) for shape in shapes]
+    if not balls:
+        return np.zeros((0, 3)), np.zeros(0)
+    centres, radii = zip(*balls, strict=True)
+    return np.concatenate(centres), np.concatenate(radii)
+
+
+def height_over_table(
+    centres: Array, radii: Array, pivot: Array, tip_radius: float, rotation: Array
+) -> Array:
+    """Height of the lowest of some balls on a tool whose tip rests on the table [m].
+
+    Args:
+        centres: (P, 3) of the balls, tool frame [m].
+        radii: (P,) [m].
+        pivot: (3,) centre of the tip sphere, tool frame [m].
+        tip_radius: of that sphere [m].
+        rotation: (..., 3, 3) world <- tool.
+
+    Returns:
+        (...,); negative where a ball reaches below the table, infinite without any ball.
+    """
+    lever = centres - pivot
+    rise = np.einsum("...j,pj->...p", np.asarray(rotation, dtype=float)[..., 2, :], lever)
+    return np.asarray(np.min(rise - radii, axis=-1, initial=np.inf) + tip_radius)

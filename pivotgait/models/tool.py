@@ -13,7 +13,7 @@ from pivotgait.exceptions import UnknownNameError, UrdfError
 from pivotgait.frozen import Array, FrozenArrays, frozen
 from pivotgait.models.handle import Handle, SurfacePoint, verify_place
 from pivotgait.models.shape import PRIMITIVES, Shape
-from pivotgait.models.support import support_balls
+from pivotgait.models.support import covering_balls, height_over_table
 from pivotgait.models.urdf import UrdfLink, UrdfSummary, read_urdf
 
 
@@ -56,11 +56,8 @@ class Tool(FrozenArrays):
 
     @cached_property
     def _support(self) -> tuple[Array, Array]:
-        balls = [support_balls(shape) for shape in self.shapes if shape is not self.tip]
-        if not balls:
-            return frozen(np.zeros((0, 3))), frozen(np.zeros(0))
-        centres, radii = zip(*balls, strict=True)
-        return frozen(np.concatenate(centres)), frozen(np.concatenate(radii))
+        centres, radii = covering_balls(each for each in self.shapes if each is not self.tip)
+        return frozen(centres), frozen(radii)
 
     def support_points(self) -> tuple[Array, Array]:
         """Centres (P, 3) in the tool frame and radii (P,) of balls that cover all but the tip [m].
@@ -78,10 +75,8 @@ class Tool(FrozenArrays):
         Returns:
             (...,); negative where the tool reaches below the table.
         """
-        points, radii = self.support_points()
-        lever = points - self.pivot_in_tool
-        rise = np.einsum("...j,pj->...p", np.asarray(rotation, dtype=float)[..., 2, :], lever)
-        return np.asarray(np.min(rise - radii, axis=-1, initial=np.inf) + self.tip_radius)
+        centres, radii = self.support_points()
+        return height_over_table(centres, radii, self.pivot_in_tool, self.tip_radius, rotation)
 
     def place(self, along: float, around: float, *, where: str = "handle") -> SurfacePoint:
         """A place on the handle (see :meth:`Handle.place`), verified by Coal.

@@ -206,6 +206,6 @@ class PostureChain:
         return directions
 
     def _limit(self, q: Array) -> str:
-        beyond = np.maximum(self.robot.lower - q, q - self.robot.upper)
+        beyond = self.robot.beyond_range(q)
         worst = int(np.argmax(beyond))
         return self.robot.joint_names[worst] if beyond[worst] > 0.0 else "coupling"

@@ -250,9 +250,7 @@ def check_ends(problem: RelocationProblem) -> None:
         ("goal", problem.goal, problem.s_goal, problem.goal_normal),
     ):
         if not robot.within_limits(q, slack=1e-9):
-            beyond = np.maximum(robot.lower - q, q - robot.upper)
-            for i, k in robot.couplings:
-                beyond[i] = max(beyond[i], q[i] - q[k])
+            beyond = robot.beyond_limits(q)
             worst = int(np.argmax(beyond))
             what = f"{robot.joint_names[worst]} is {beyond[worst]:.4f} beyond a limit or coupling"
             raise InfeasibleError(what, where=name, mend="choose a posture within the limits")

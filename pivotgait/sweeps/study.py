@@ -6,7 +6,6 @@ import hashlib
 import json
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ from pydantic import ValidationError
 
 from pivotgait.exceptions import UnknownNameError
 from pivotgait.models import Scene, builtin_scenes, export_scene, parse_scene
+from pivotgait.models.builtin_files import BuiltinFiles
 from pivotgait.models.paths import is_file
 from pivotgait.models.scene_errors import as_scene_error
 from pivotgait.models.scene_yaml import MAX_BYTES, read_yaml
@@ -25,6 +25,7 @@ from pivotgait.sweeps.study_config import StudyConfig
 
 RESULTS_SCHEMA = "pivotgait-results/2"
 """Of the columns and their meaning; a change makes every cell a new one."""
+_BUILTIN = BuiltinFiles("study", "pivotgait.sweeps", "studies")
 _EXAMPLE = "pivotgait sweep --export knife_friction"
 
 
@@ -107,8 +108,7 @@ def digest_of(config: StudyConfig, scene: Scene) -> str:
 
 def builtin_studies() -> tuple[str, ...]:
     """Names of the studies that come with the package, sorted."""
-    entries = (files("pivotgait.sweeps") / "studies").iterdir()
-    return tuple(sorted(e.name.removesuffix(".yaml") for e in entries if e.name.endswith(".yaml")))
+    return _BUILTIN.names()
 
 
 def export_study(name: str) -> str:
@@ -117,9 +117,7 @@ def export_study(name: str) -> str:
     Raises:
         UnknownNameError: listing the built-in studies.
     """
-    if name not in builtin_studies():
-        raise UnknownNameError("study", name, builtin_studies())
-    return (files("pivotgait.sweeps") / "studies" / f"{name}.yaml").read_text(encoding="utf-8")
+    return _BUILTIN.text(name)
 
 
 def load_study(study: str | Path) -> Study:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from pivotgait.exceptions import InputError
 from pivotgait.validation.contact_events import ContactEvent
+from pivotgait.validation.tolerance_check import check_tolerances
 from pivotgait.validation.verdict import Verdict
 
 PASSED, NOT_REACHED = "passed", "not reached"
@@ -42,11 +42,7 @@ class Tolerances:
     timing_ms: float = 20.0
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if not 0.0 < value < float("inf"):
-                what = f"{each.name} of {value:g}"
-                raise InputError(what, where="tolerances", mend="give a positive number")
+        check_tolerances(self)
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from pivotgait.exceptions import InputError
+from pivotgait.validation.agreement import PASSED
 from pivotgait.validation.trial import TrialResult
 from pivotgait.validation.trials import TrialSet
 from pivotgait.validation.wilson import wilson_interval
-
-PASSED = "passed"
 
 
 @dataclass(frozen=True, eq=False)

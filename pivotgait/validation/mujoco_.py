@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import dist
-from types import MappingProxyType, TracebackType
+from types import MappingProxyType
 from typing import Any, Self
 
 import numpy as np
@@ -148,12 +148,7 @@ class MuJoCoSimulator:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         del self.data, self.model
 
     def _map_joints(self) -> None:

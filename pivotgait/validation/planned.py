@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
 from pivotgait.frozen import Array, FrozenArrays
-from pivotgait.models.support import support_balls
+from pivotgait.models.support import covering_balls, height_over_table
 from pivotgait.models.urdf import check_urdf
 from pivotgait.plans import PIVOT, GaitPlan, Phase
 
@@ -77,7 +77,7 @@ def planned_at(plan: GaitPlan, time: Array, fingers: tuple[str, ...]) -> Planned
     columns.settle(plan.phases[-1], index == len(ends), fingers)
     return Planned(
         phase=index.astype(float),
-        height=tool_height(plan, Rotation.from_quat(columns.orientation)) + columns.rise,
+        height=_tool_height(plan, Rotation.from_quat(columns.orientation)) + columns.rise,
         **vars(columns),
     )
 
@@ -159,19 +159,14 @@ def _between(at: Array, time: Array, samples: Array) -> Array:
     return np.stack([np.interp(at, time, samples[:, i]) for i in range(3)], axis=1)
 
 
-def tool_height(plan: GaitPlan, rotation: Rotation) -> Array:
+def _tool_height(plan: GaitPlan, rotation: Rotation) -> Array:
     """(N,) height of the tool's lowest point, but the tip, while the tip is on the table [m]."""
     shapes = check_urdf(plan.tool.urdf, where="tool of the plan").collisions
     placed = [shape.shifted(plan.tool.centre_of_mass_in_root) for shape in shapes]
     tip = [np.allclose(each.translation, plan.tool.pivot_in_tool, atol=1e-6) for each in placed]
     radius = max((each.size[0] for each, is_tip in zip(placed, tip, strict=True) if is_tip))
-    balls = [support_balls(each) for each, is_tip in zip(placed, tip, strict=True) if not is_tip]
-    if not balls:
-        return np.full(len(rotation), np.inf)
-    levers = np.concatenate([points for points, _ in balls]) - plan.tool.pivot_in_tool
-    radii = np.concatenate([each for _, each in balls])
-    up = rotation.as_matrix()[:, 2, :]
-    return np.asarray((up @ levers.T - radii).min(axis=1) + radius)
+    balls = covering_balls(each for each, is_tip in zip(placed, tip, strict=True) if not is_tip)
+    return height_over_table(*balls, plan.tool.pivot_in_tool, radius, rotation.as_matrix())
 
 
 def _changes(phase: Phase, finger: str) -> bool:

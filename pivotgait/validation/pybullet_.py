@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from math import dist
 from pathlib import Path
-from types import MappingProxyType, TracebackType
+from types import MappingProxyType
 from typing import Any, Self
 
 import numpy as np
@@ -164,12 +164,7 @@ class PyBulletSimulator:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self._bullet.disconnect(physicsClientId=self.client)
 
     def _set_engine(self) -> None:

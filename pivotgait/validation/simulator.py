@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from importlib.util import find_spec
-from types import TracebackType
 from typing import Literal, Protocol, Self
 
 from pivotgait.exceptions import InputError, UnknownNameError
 from pivotgait.frozen import Array
+from pivotgait.validation.engine_check import check_engine
 from pivotgait.validation.world import World
 
 TABLE_TOUCH = "table - tool"
@@ -108,12 +107,7 @@ class Simulator(Protocol):
 
     def __enter__(self) -> Self: ...
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None: ...
+    def __exit__(self, *error: object) -> None: ...
 
 
 def _pybullet(world: World, options: SimulatorOptions) -> Simulator:
@@ -133,8 +127,7 @@ SIMULATORS: Mapping[str, Callable[[World, SimulatorOptions], Simulator]] = {
     "mujoco": _mujoco,
 }
 """Makers by name, which is that of the engine's package, too. A new simulator is a file
-``<name>_.py``, a maker, a line here and one below."""
-_INSTALL = {"pybullet": "pip install pivotgait", "mujoco": "pip install 'pivotgait[mujoco]'"}
+``<name>_.py``, a maker and a line here, and one in ``engine_check.py`` if it is an extra."""
 
 
 def check_simulator(name: str) -> None:
@@ -144,10 +137,7 @@ def check_simulator(name: str) -> None:
         InputError: not installed.
         UnknownNameError: no such simulator.
     """
-    if name not in SIMULATORS:
-        raise UnknownNameError("simulator", name, SIMULATORS)
-    if find_spec(name) is None:
-        raise InputError(f"{name} is not installed", where="simulator", mend=_INSTALL[name])
+    check_engine("simulator", name, SIMULATORS)
 
 
 def make_simulator(name: str, world: World, options: SimulatorOptions) -> Simulator:

@@ -195,7 +195,7 @@ def _turns(series: RunSeries, planned: Planned, rule: Rule) -> list[_Event]:
 
 def _limits(robot: Robot, series: RunSeries, rule: Rule) -> list[_Event]:
     events = []
-    beyond: Flags = np.maximum(robot.lower - series.q, series.q - robot.upper) > rule.limit_rad
+    beyond: Flags = robot.beyond_range(series.q) > rule.limit_rad
     row = _first(np.any(beyond, axis=1))
     if row is not None:
         joint = series.joint_names[int(np.argmax(beyond[row]))]

@@ -2,31 +2,19 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
-import sys
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 
-STUDY = Path(__file__).parents[2] / "analysis" / "01_removal_with_and_without_pivoting.py"
+from tests.analysis.studies import load_study
+
 SOLVER_DEG = 1e-2
 """Static bounds come from a local solver with tolerances of 1e-9; this is ample."""
 PLANNED_DEG = 0.5
 """Planned turns trade a few tenths of a degree for better aligned forces (up to 0.4 seen)."""
-
-
-def load() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("study_01", STUDY)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    return module
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +24,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def result(out: Path) -> dict[str, Any]:
-    return load().main(quick=True, out=out)
+    return load_study("01").main(quick=True, out=out)
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +67,7 @@ def test_forces_at_rest_end_at_the_least_force_and_no_smaller_turn_holds(cells):
 
 
 def test_every_cell_has_an_outcome_and_most_are_planned(result, cells):
-    assert {cell["outcome"] for cell in cells} <= set(load().OUTCOMES)
+    assert {cell["outcome"] for cell in cells} <= set(load_study("01").OUTCOMES)
     assert all(cell["message"] for cell in cells if cell["outcome"] not in ("planned", "detour"))
     assert sum(cell["outcome"] == "planned" for cell in cells) >= 0.8 * len(cells)
     assert sum(result["findings"]["outcomes"].values()) == result["findings"]["cells"]
@@ -97,7 +85,7 @@ def test_files_are_written_and_the_numbers_read_back(result, out):
 
 
 def test_a_place_off_the_handle_is_an_outcome_not_a_crash():
-    study = load()
+    study = load_study("01")
     situation = study.Situation.of(study.load_scene("knife"))
     cell = study.solve_cell(situation, 0.6, 0.5, 270.0)
     assert cell.outcome == "no place"

@@ -2,26 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
-import sys
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
 
-STUDY = Path(__file__).parents[2] / "analysis" / "02_pivoting_and_force_control_matter.py"
-
-
-def load() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("study_02", STUDY)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    return module
+from tests.analysis.studies import load_study
 
 
 @pytest.fixture(scope="module")
@@ -31,13 +18,13 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def result(out: Path) -> dict[str, Any]:
-    return load().main(quick=True, out=out)
+    return load_study("02").main(quick=True, out=out)
 
 
 @pytest.mark.slow
 def test_force_control_presses_closer_to_the_plan(result: dict[str, Any]) -> None:
     cells = {(cell["way"], cell["width_m"]): cell for cell in result["cells"]}
-    for width in load().SHOWN_WIDTH_M:
+    for width in load_study("02").SHOWN_WIDTH_M:
         ours, theirs = cells["hybrid", width], cells["position", width]
         assert not ours["failure"]
         for name in ("holding_force_rms_N", "loading_force_rms_N"):

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
-import sys
 from collections import Counter
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -16,23 +13,12 @@ import pytest
 
 from pivotgait.models import load_scene
 from pivotgait.plotting.reach import MountingMap, mounting_maps
-
-STUDY = Path(__file__).parents[2] / "analysis" / "03_reach_of_the_mounted_hand.py"
-
-
-def load() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("study_03", STUDY)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    return module
+from tests.analysis.studies import load_study
 
 
 @pytest.fixture(scope="module")
 def study() -> ModuleType:
-    return load()
+    return load_study("03")
 
 
 @pytest.fixture(scope="module")

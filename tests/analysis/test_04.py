@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
-import sys
 from collections import Counter
 from itertools import islice
 from pathlib import Path
@@ -17,23 +15,12 @@ import pytest
 from pivotgait.gaits import plan_gait
 from pivotgait.models import load_scene
 from pivotgait.plotting.planning_times import planning_times
-
-STUDY = Path(__file__).parents[2] / "analysis" / "04_postures_and_relocations.py"
-
-
-def load() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("study_04", STUDY)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    return module
+from tests.analysis.studies import load_study
 
 
 @pytest.fixture(scope="module")
 def study() -> ModuleType:
-    return load()
+    return load_study("04")
 
 
 @pytest.fixture(scope="module")

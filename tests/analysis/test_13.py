@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
-import sys
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
@@ -12,23 +10,12 @@ import numpy as np
 import pytest
 
 from pivotgait.plotting.walk_drift import Walk, walk_drift
-
-STUDY = Path(__file__).parents[2] / "analysis" / "13_walking_along_the_handle.py"
+from tests.analysis.studies import load_study
 
 
 @pytest.fixture(scope="module")
 def study() -> ModuleType:
-    sys.path.insert(0, str(STUDY.parent))
-    try:
-        spec = importlib.util.spec_from_file_location("study_13", STUDY)
-        assert spec is not None
-        assert spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[spec.name] = module
-        spec.loader.exec_module(module)
-    finally:
-        sys.path.remove(str(STUDY.parent))
-    return module
+    return load_study("13")
 
 
 def test_a_gait_ends_where_a_loaded_finger_holds_and_not_where_one_leaves(

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 from pathlib import Path
 
 import pytest
 
-STUDY = Path(__file__).parents[2] / "analysis" / "14_recovery.py"
+from tests.analysis.studies import load_study
 
 
 @pytest.mark.slow
 def test_recovery_in_short(tmp_path: Path) -> None:
-    spec = importlib.util.spec_from_file_location("study_14", STUDY)
-    assert spec is not None
-    assert spec.loader is not None
-    study = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(study)
+    study = load_study("14")
     result = study.main(quick=True, out=tmp_path, seed=2005, workers=1)
     (found,) = result["conditions"].values()
     for way in study.WAYS:

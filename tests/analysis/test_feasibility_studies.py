@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
-import sys
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
@@ -16,25 +14,12 @@ import pytest
 from pivotgait.gaits import plan_gait
 from pivotgait.models import load_scene
 from pivotgait.validation.perturbation import Perturbation
-
-ANALYSIS = Path(__file__).parents[2] / "analysis"
-
-
-def load(name: str) -> ModuleType:
-    """A study, or what studies share, as a module."""
-    (file,) = ANALYSIS.glob(f"{name}*.py")
-    spec = importlib.util.spec_from_file_location(file.stem, file)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    return module
+from tests.analysis.studies import load_study
 
 
 def quick(name: str, out: Path) -> dict[str, Any]:
     """What a quick run gives; its JSON file holds the same."""
-    found: dict[str, Any] = load(name).main(quick=True, out=out)
+    found: dict[str, Any] = load_study(name).main(quick=True, out=out)
     (file,) = out.glob("*.json")
     assert json.loads(file.read_text()).keys() == found.keys()
     assert list(out.glob("*.png"))
@@ -79,12 +64,12 @@ def test_09_a_larger_margin_is_paid_with_turning(tmp_path):
 
 @pytest.fixture(scope="module")
 def trial_margins() -> ModuleType:
-    return load("trial_margins")
+    return load_study("trial_margins")
 
 
 @pytest.fixture(scope="module")
 def trial_prediction() -> ModuleType:
-    return load("trial_prediction")
+    return load_study("trial_prediction")
 
 
 @pytest.fixture(scope="module")
@@ -194,7 +179,7 @@ def test_one_outcome_has_no_area(trial_prediction):
 
 
 def test_a_line_cut_short_by_a_kill_is_done_again(tmp_path):
-    study, file = load("10"), tmp_path / "trials.jsonl"
+    study, file = load_study("10"), tmp_path / "trials.jsonl"
     file.write_text('{"seed": 3, "passed": true}\n{"seed": 4, "pas')
     assert study.read_kept(file) == {3: {"seed": 3, "passed": True}}
     assert study.read_kept(tmp_path / "none") == {}
@@ -202,7 +187,7 @@ def test_a_line_cut_short_by_a_kill_is_done_again(tmp_path):
 
 @pytest.mark.slow
 def test_10_two_trials_are_kept_and_not_done_again(tmp_path, monkeypatch):
-    study = load("10")
+    study = load_study("10")
     found = study.main(quick=True, out=tmp_path, workers=1)
     assert [each["seed"] for each in found["rows"]] == [0, 1]
     for each in found["rows"]:

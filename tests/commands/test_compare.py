@@ -83,7 +83,8 @@ def test_without_mujoco_it_says_how_to_install_it(
     call: Call, lift: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "pivotgait.validation.simulator.find_spec", lambda name: None if name == "mujoco" else name
+        "pivotgait.validation.engine_check.find_spec",
+        lambda name: None if name == "mujoco" else name,
     )
     answer = call("compare", lift, "-o", tmp_path / "out")
     assert answer.code == 2

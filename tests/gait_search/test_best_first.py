@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -126,6 +127,29 @@ def test_what_grows_from_a_buried_branch_is_never_yielded() -> None:
     buried.dead = True
     for branch, _ in zip(search.paths(), range(20), strict=False):
         assert buried not in branch.path()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_delays_change_the_order_of_paths_but_not_their_costs(seed: int) -> None:
+    roads, plain = Roads(seed), Roads(seed).graph()
+    delays = np.random.default_rng(seed).uniform(0.0, 2.0, NODES)
+
+    def wait(branch: Branch[int, int]) -> bool:
+        branch.delay += delays[branch.state]
+        return True
+
+    waiting = replace(plain, checks=(*plain.checks, wait))
+    for branch, _ in zip(BestFirst(waiting, 0, visits=50).paths(), range(5), strict=False):
+        along = [0, *(each.state for each in branch.path())]
+        true = roads.true_cost()
+        assert branch.cost == pytest.approx(sum(true[a, b] for a, b in itertools.pairwise(along)))
+
+
+def test_a_state_from_which_no_way_leads_on_is_never_looked_at() -> None:
+    roads, closed = Roads(3), 4
+    graph = roads.graph(lambda state: np.inf if state == closed else 0.0)
+    for branch, _ in zip(BestFirst(graph, 0, visits=50).paths(), range(20), strict=False):
+        assert closed not in [each.state for each in branch.path()]
 
 
 def test_a_search_that_cannot_end_well_ends() -> None:

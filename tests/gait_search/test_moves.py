@@ -13,7 +13,7 @@ from pivotgait.feasibility.turns import held_at, smallest_tilt
 from pivotgait.gait_search import Cost, CostWeights, Deaths, handle_candidates, read_goal
 from pivotgait.gait_search.best_first import Branch
 from pivotgait.gait_search.goals import estimate_moves
-from pivotgait.gait_search.moves import LIFTED_BY, Moves
+from pivotgait.gait_search.moves import LIFTED_BY, MoveOptions, Moves
 from pivotgait.gait_search.search import without_robot
 from pivotgait.gait_search.states import GraspState, Move
 from pivotgait.gait_search.static_tests import grasp_depths
@@ -113,12 +113,29 @@ def test_batches_say_what_single_grasps_say(scene: Scene) -> None:
 
 
 def test_dead_moves_are_counted_by_their_reason(moves: Moves) -> None:
-    before = moves.deaths.total
     alive = list(moves.of(Branch(moves.start(), 0.0)))
+    once = moves.deaths.total
     stages = {stage for stage, _, _ in moves.deaths.rows()}
-    assert moves.deaths.total > before
     assert len(alive) > 100
+    assert len(list(moves.of(Branch(moves.start(), 0.0)))) == len(alive)
+    assert moves.deaths.total == once  # lifts are judged once
     assert {"over the table", "forces at rest"} <= stages
+
+
+def test_lifts_to_another_pitch_wait_but_cost_the_same(scene: Scene) -> None:
+    pitched = MoveOptions(pitches_deg=(10.0, 40.0))
+    deaths, used = Deaths(), without_robot(scene)
+    there = Moves(used, handle_candidates(used), CostWeights(), deaths, pitched)
+    root, own = Branch(there.start(), 0.0), there.style.lift.to.pitch_deg
+    seen = set()
+    for move, state, cost in there.of(root):
+        branch = Branch(state, cost, root, move)
+        assert there.prefer_own_lifts(branch)
+        assert branch.cost == cost
+        assert move.target is not None
+        assert (branch.delay > 0.0) == (move.target.pitch_deg != own)
+        seen.add(move.target.pitch_deg)
+    assert seen == {own, 10.0, 40.0}
 
 
 def test_costs_add_up_and_weigh() -> None:

@@ -91,16 +91,16 @@ def test_its_estimate_is_near_what_the_plan_costs(tool_result: SearchResult) -> 
     assert estimate.time_s == pytest.approx(cost.time_s, abs=1e-9)
 
 
-def test_without_a_way_the_search_ends_and_says_why(
+def test_a_goal_that_forces_forbid_is_said_to_be_impossible_at_once(
     scene: Scene, first: tuple[Candidate, ...]
 ) -> None:
     """Two fingers on one side of the handle hold nothing."""
     goal = read_goal("thumb@0.09/0, index@0.07/0", scene)
-    options = SearchOptions(hand=False, time_limit_s=1.0)
-    result = search_gait(scene, goal, first=first, options=options)
+    result = search_gait(scene, goal, first=first, options=TOOL)
     assert result.found is None
-    assert result.ended in ("time", "exhausted")
-    assert result.deaths.total > 0
+    assert result.ended == "impossible"
+    assert result.news.plans == 0
+    assert ("order of fingers", "the goal holds in no attitude", 1) in result.deaths.rows()
 
 
 @pytest.mark.parametrize(

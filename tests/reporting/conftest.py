@@ -1,44 +1,28 @@
 """The gait that ``tests/plotting`` draws, and pictures that cost nothing."""
 
 import zlib
-from importlib.util import module_from_spec, spec_from_file_location
-from pathlib import Path
 
 import pytest
 
 from pivotgait.reporting import Picture
 from pivotgait.validation import Metrics, Verdict
 from pivotgait.validation.record_reading import RecordedRun
-
-_KNIFE = Path(__file__).parents[1] / "plotting" / "conftest.py"
-
-
-@pytest.fixture(scope="session")
-def knife_module():
-    spec = spec_from_file_location("knife_plan", _KNIFE)
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+from tests.plotting.knife_gait import knife_plan, motion_of, with_robot
 
 
 @pytest.fixture(scope="session")
-def knife_plan(knife_module):
-    return knife_module.knife_plan
-
-
-@pytest.fixture(scope="session")
-def plan(knife_plan):
+def plan():
     return knife_plan()
 
 
 @pytest.fixture(scope="session")
-def robot_plan(plan, knife_module):
-    return knife_module.with_robot(plan)
+def robot_plan(plan):
+    return with_robot(plan)
 
 
 @pytest.fixture(scope="session")
-def motion(robot_plan, knife_module):
-    return knife_module.motion_of(robot_plan)
+def motion(robot_plan):
+    return motion_of(robot_plan)
 
 
 @pytest.fixture

@@ -9,10 +9,11 @@ from pivotgait.exceptions import InputError, PlanFileError
 from pivotgait.plans import write_plan
 from pivotgait.reporting import report_from_folder
 from pivotgait.reporting.summary import PhaseSummary
+from tests.plotting.knife_gait import knife_plan
 
 
 @pytest.fixture(scope="module")
-def folder(knife_plan, tmp_path_factory):
+def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("knife")
     plan = knife_plan(certificate={"valid": True, "residuals": {}})
     # one phase has a figure of every kind

@@ -8,6 +8,7 @@ import pytest
 
 from pivotgait.exceptions import InputError
 from pivotgait.reporting import Picture, Trials, render_report, write_report
+from tests.plotting.knife_gait import knife_plan
 
 VOID = {"meta", "img", "br", "source", "link", "input", "hr"}
 
@@ -120,7 +121,7 @@ def test_certificate_of_another_release_is_shown_with_what_is_known(plan, figure
     assert "new thing" in text
 
 
-def test_hostile_text_is_only_text(knife_plan, certificate):
+def test_hostile_text_is_only_text(certificate):
     nasty = '"><script>alert(1)</script><img src=x onerror=alert(2)>&{{ 7*7 }}'
     plan = knife_plan(scene=f"name: {nasty}\n")
     plan = replace(plan, tool=replace(plan.tool, name=nasty), versions={nasty: nasty})

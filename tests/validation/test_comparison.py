@@ -244,7 +244,8 @@ def test_a_missing_engine_is_told_before_work_is_done(
     monkeypatch: pytest.MonkeyPatch, plan: GaitPlan
 ) -> None:
     monkeypatch.setattr(
-        "pivotgait.validation.simulator.find_spec", lambda name: None if name == "mujoco" else name
+        "pivotgait.validation.engine_check.find_spec",
+        lambda name: None if name == "mujoco" else name,
     )
     monkeypatch.setattr(module, "run_trials", None)
     with pytest.raises(InputError, match=r"pip install 'pivotgait\[mujoco\]'"):

@@ -169,6 +169,9 @@ def test_bad_input_is_refused(call: Callable[[], object], error: type[Exception]
 
 
 def test_a_missing_engine_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "find_spec", lambda name: None if name == "mujoco" else name)
+    monkeypatch.setattr(
+        "pivotgait.validation.engine_check.find_spec",
+        lambda name: None if name == "mujoco" else name,
+    )
     with pytest.raises(InputError, match=r"pip install 'pivotgait\[mujoco\]'"):
         cross_check(SMALL)

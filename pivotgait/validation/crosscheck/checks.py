@@ -16,7 +16,8 @@ from pivotgait.models.robot_parts import write
 from pivotgait.models.urdf.nodes import read_nodes
 from pivotgait.validation.crosscheck.found import CrossCheck, Row, Tolerances
 from pivotgait.validation.crosscheck.friction import friction_deviation
-from pivotgait.validation.crosscheck.reading import ENGINES, Limits, Reading, check_engine
+from pivotgait.validation.crosscheck.reading import ENGINES, Limits, Reading
+from pivotgait.validation.engine_check import check_engine
 from pivotgait.validation.simulator import SIMULATORS
 
 _SHAPES = ("visual", "collision")
@@ -64,7 +65,7 @@ def cross_check(
         what = f"{len(engines)} engines, {postures} postures"
         raise InputError(what, where="cross-check", mend="give two engines and a posture at least")
     for engine in engines:
-        check_engine(engine)
+        check_engine("engine", engine, ENGINES)
     bare = without_shapes(text, where=name)
     limits = tolerances or Tolerances()
     rng = np.random.default_rng(0) if rng is None else rng

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
-from pivotgait.exceptions import InputError
+from pivotgait.validation.tolerance_check import check_tolerances
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,7 @@ class Tolerances:
     friction: float = 0.05
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if not 0.0 < value < float("inf"):
-                what = f"{each.name} of {value:g}"
-                raise InputError(what, where="tolerances", mend="give a positive number")
+        check_tolerances(self)
 
 
 @dataclass(frozen=True)

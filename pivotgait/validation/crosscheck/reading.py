@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from importlib.util import find_spec
-from types import MappingProxyType, TracebackType
+from types import MappingProxyType
 from typing import NamedTuple, Protocol, Self
 
-from pivotgait.exceptions import InputError, UnknownNameError
 from pivotgait.frozen import Array
 
 
@@ -53,12 +51,7 @@ class Reading(Protocol):
 
     def __enter__(self) -> Self: ...
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None: ...
+    def __exit__(self, *error: object) -> None: ...
 
 
 def _pinocchio(urdf: str) -> Reading:
@@ -83,17 +76,3 @@ ENGINES: Mapping[str, Callable[[str], Reading]] = MappingProxyType(
     {"pinocchio": _pinocchio, "pybullet": _pybullet, "mujoco": _mujoco}
 )
 """Makers by name, from URDF text without shapes; the first is what the others are held against."""
-_INSTALL = "pip install 'pivotgait[mujoco]'"
-
-
-def check_engine(name: str) -> None:
-    """Refuse an engine that cannot be used.
-
-    Raises:
-        InputError: not installed.
-        UnknownNameError: no such engine.
-    """
-    if name not in ENGINES:
-        raise UnknownNameError("engine", name, ENGINES)
-    if find_spec(name) is None:
-        raise InputError(f"{name} is not installed", where="engine", mend=_INSTALL)
