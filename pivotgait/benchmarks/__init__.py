@@ -7,6 +7,7 @@ from pivotgait.benchmarks.relocation import relocation_rows
 from pivotgait.benchmarks.removal import removal_rows
 from pivotgait.benchmarks.simulation import simulation_rows
 from pivotgait.benchmarks.startup import import_rows
+from pivotgait.benchmarks.sweeping import sweep_rows
 
 __all__ = [
     "allocation_rows",
@@ -16,4 +17,5 @@ __all__ = [
     "relocation_rows",
     "removal_rows",
     "simulation_rows",
+    "sweep_rows",
 ]

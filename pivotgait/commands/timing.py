@@ -18,6 +18,7 @@ def run_bench(quick: bool, out: Output) -> int:
         relocation_rows,
         removal_rows,
         simulation_rows,
+        sweep_rows,
     )
 
     rows = []
@@ -28,6 +29,7 @@ def run_bench(quick: bool, out: Output) -> int:
         relocation_rows,
         control_rows,
         simulation_rows,
+        sweep_rows,
         import_rows,
     )
     with out.progress("measuring", len(jobs)) as bar:

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from typing import Any
 
 from pivotgait.exceptions import InputError
-from pivotgait.sweeps.company import live_with
 
 _ANSWER_S = 10.0
 """A scheduler that does not answer within this, and one without workers, is of no use."""
@@ -29,10 +28,8 @@ def crew(workers: int | None = None, scheduler: str | None = None) -> Iterator[i
 
     if scheduler is None:
         count = workers or len(os.sched_getaffinity(0))
-        options: dict[str, Any] = {"initializer": live_with, "initargs": (os.getpid(),)}
-        # A lone worker is this process itself: it only waits for the one that computes.
-        named = ("loky", options) if count > 1 else ("sequential", {})
-        with parallel_config(named[0], n_jobs=count, **named[1]):
+        # Threads: each only waits for the guarded process that computes for it.
+        with parallel_config("threading", n_jobs=count):
             yield count
         return
     if workers is not None:
