@@ -269,4 +269,4 @@ def _edges(grasps: Grasps, errors: list[_Error]) -> Array:
         np.concatenate([np.broadcast_to(getattr(error, end), count) for error in errors])
         for end in ("start", "limit")
     )
-    return last_feasible(start, limit, holds, rounds=6).reshape(len(errors), count)
+    return last_feasible(start, limit, holds, rounds=9).reshape(len(errors), count)

@@ -15,8 +15,10 @@ from pivotgait.frozen import Array
 from pivotgait.gait_search.candidates import Candidate
 from pivotgait.gait_search.states import Move
 from pivotgait.gait_search.timing import STAND_OFF_M, PhaseStyle
-from pivotgait.models import Scene, parse_scene
+from pivotgait.models import Robot, Scene, parse_scene
 
+_OWN = {"posture", "posture_before"}
+"""Fields that one phase has for itself: no other phase is written like them."""
 GAIT = "default"
 """Every scene has a gait of this name; a found scene has no other."""
 _OPEN = (
@@ -56,6 +58,7 @@ def found_scene(
     description: str,
     comment: str,
     home: Array | None = None,
+    postures: Sequence[Array] = (),
     folder: Path | None = None,
 ) -> FoundScene:
     """The scene of a sequence of moves.
@@ -68,6 +71,7 @@ def found_scene(
         comment: first line of the file.
         home: (nv,) posture of the hand in the middle of the gait, about which half of the starts
             of a plan's search are drawn; the scene's own without it.
+        postures: of the hand at the key poses of each move, (k, nv) each; suggested to the plan.
         folder: in which relative URDF paths start.
     """
     phases, move_of = gait_phases(scene, moves)
@@ -75,14 +79,11 @@ def found_scene(
     fields["name"], fields["description"] = name, description
     fields["contacts"] = _contact_fields(scene, moves)
     fields["gaits"] = {GAIT: phases}
-    if home is not None and scene.robot is not None:
-        names = scene.robot.joint_names
-        fields["robot"]["home"] = {
-            joint: _rounded(float(value), *limits)
-            for joint, value, *limits in zip(
-                names, home, scene.robot.lower, scene.robot.upper, strict=True
-            )
-        }
+    if scene.robot is not None:
+        if home is not None:
+            fields["robot"]["home"] = _by_joint(scene.robot, home)
+        if postures:
+            _suggest(phases, move_of, postures, scene.robot)
     text = f"# {comment}\n{_yaml(fields)}"
     return FoundScene(parse_scene(text, where=name, folder=folder), text, move_of)
 
@@ -110,10 +111,10 @@ def _phases(
     style: PhaseStyle, move: Move, left: dict[str, str], *, relocated: bool
 ) -> Iterable[dict[str, Any]]:
     """A new kind of move gets a branch here, in :class:`Moves` and in ``PhaseStyle``."""
-    relocation = style.relocation.model_dump(mode="json", exclude_unset=True)
+    relocation = style.relocation.model_dump(mode="json", exclude_unset=True, exclude=_OWN)
     names = [each.name for each in move.contacts]
     if move.kind == "lift":
-        lift = style.lift.model_dump(mode="json")
+        lift = style.lift.model_dump(mode="json", exclude=_OWN)
         assert move.target is not None
         yield {**lift, "contacts": names, "to": move.target.model_dump(mode="json")}
         return
@@ -125,7 +126,7 @@ def _phases(
     if move.kind == "addition" and relocated:
         yield {**relocation, "contact": names[0]}
     like = style.addition if move.kind == "addition" else style.removal
-    yield {**like.model_dump(mode="json", exclude_unset=True), "contact": names[0]}
+    yield {**like.model_dump(mode="json", exclude_unset=True, exclude=_OWN), "contact": names[0]}
 
 
 def _contact_fields(scene: Scene, moves: Sequence[Move]) -> dict[str, Any]:
@@ -143,6 +144,28 @@ def _contact_fields(scene: Scene, moves: Sequence[Move]) -> dict[str, Any]:
             **({"torsion_m": each.contact.torsion} if each.contact.torsion else {}),
         }
         for name, each in used.items()
+    }
+
+
+def _suggest(
+    phases: Sequence[dict[str, Any]],
+    move_of: Sequence[int],
+    postures: Sequence[Array],
+    robot: Robot,
+) -> None:
+    for phase, place in zip(phases, move_of, strict=True):
+        if phase["kind"] in ("lift", "removal", "relocation"):
+            phase["posture"] = _by_joint(robot, postures[place][-1])
+        if phase["kind"] == "lift":
+            phase["posture_before"] = _by_joint(robot, postures[place][0])
+
+
+def _by_joint(robot: Robot, q: Array) -> dict[str, float]:
+    return {
+        joint: _rounded(float(value), *limits)
+        for joint, value, *limits in zip(
+            robot.joint_names, q, robot.lower, robot.upper, strict=True
+        )
     }
 
 

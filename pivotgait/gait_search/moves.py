@@ -30,7 +30,7 @@ from pivotgait.gait_search.order import FEWEST, Prices
 from pivotgait.gait_search.states import GraspState, Move
 from pivotgait.gait_search.static_tests import can_carry, grasp_depths
 from pivotgait.gait_search.timing import HOVER_M, RETREAT_M, PhaseStyle
-from pivotgait.models import LiftTarget, Scene
+from pivotgait.models import HandleContact, LiftTarget, Scene
 
 Branches = Branch[GraspState, Move]
 LIFT_SAMPLES = 5
@@ -285,14 +285,34 @@ class Moves:
         return grasp_depths(self.scene, contacts, rotation, exact=exact)
 
     def _turn(self, staying: Sequence[Candidate], state: GraspState) -> Turn:
-        key = tuple(each.name for each in staying), state.rotation.as_quat().tobytes()
+        names = tuple(each.name for each in staying)
+        contacts = [each.contact for each in staying]
+        if self._coarse:
+            return self._coarse_turn(names, contacts, state.rotation)
+        key = names, state.rotation.as_quat().tobytes()
         if key not in self._turns:
-            contacts = [each.contact for each in staying]
-            turn = smallest_tilt(self.scene, contacts, state.rotation, coarse=self._coarse)
-            if self._coarse and not turn.feasible and turn.depth > -NEARLY_N:
-                turn = smallest_tilt(self.scene, contacts, state.rotation)
-            self._turns[key] = turn
+            self._turns[key] = smallest_tilt(self.scene, contacts, state.rotation)
         return self._turns[key]
+
+    def _coarse_turn(
+        self, names: tuple[str, ...], contacts: Sequence[HandleContact], rotation: Rotation
+    ) -> Turn:
+        """None if the fingers hold the tool as it is; else to the attitude nearest to the lift's.
+
+        That one is the same whatever the attitude before, so it is looked for only once.
+        """
+        depth = float(grasp_depths(self.scene, [contacts], rotation, exact=False)[0])
+        if depth >= 0.0:
+            return Turn(True, 0.0, rotation, depth)
+        key = names, b""
+        if key not in self._turns:
+            lifted = self.scene.lift_rotation(self.targets()[0])
+            turn = smallest_tilt(self.scene, contacts, lifted, coarse=True)
+            if not turn.feasible and turn.depth > -NEARLY_N:
+                turn = smallest_tilt(self.scene, contacts, lifted)
+            self._turns[key] = turn
+        found = self._turns[key]
+        return replace(found, angle=float((found.rotation * rotation.inv()).magnitude()))
 
     def targets(self) -> list[LiftTarget]:
         """Attitudes in which lifts may end."""

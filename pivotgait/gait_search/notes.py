@@ -33,10 +33,12 @@ class Notes:
 
     Attributes:
         rest: moves to come, none if no rest is known.
+        alone: (3, nv) postures of a lift by itself; None before there are some.
         prefix: postures; None before there are some.
     """
 
     rest: tuple[Move, ...] = ()
+    alone: Array | None = None
     prefix: Prefix | None = None
 
 

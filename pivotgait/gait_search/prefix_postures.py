@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,6 +15,7 @@ from pivotgait.gait_search.goals import Goal
 from pivotgait.gait_search.guidance import Guidance
 from pivotgait.gait_search.notes import Branches, Prefix, notes_of
 from pivotgait.gait_search.palm import PalmDistance
+from pivotgait.gait_search.room import with_room
 from pivotgait.gait_search.states import GraspState, Move
 from pivotgait.gait_search.timing import STAND_OFF_M
 from pivotgait.models import Robot, Scene
@@ -24,6 +26,8 @@ from pivotgait.planning.posture_search import PostureOptions, PostureSearch
 
 PATIENCE = 5.0
 """Branches that costs say are so much worse are looked at before random starts are made."""
+EAGERNESS = 4.0
+"""A lift that the hand can do is followed up before others that cost so much less are tried."""
 _PALM = "palm"
 
 
@@ -35,11 +39,13 @@ class Task:
         keys: of the branch before, of its own move, and to come.
         before: of the branch before.
         done: number of key poses without those to come.
+        alone: (done, nv) postures of a lift by itself, if that is what it is for.
     """
 
     keys: tuple[KeyPose, ...]
     before: Prefix
     done: int
+    alone: Array | None = None
 
     @property
     def known(self) -> int:
@@ -85,11 +91,48 @@ class PrefixPostures:
         self._guidance, self._options, self._seed = guidance, options, seed
         self._world = CollisionWorld(robot, scene.tool, scene.table.height, scene.clearance)
         self._palm = PalmDistance(robot, scene.tool)
+        self._experience: dict[frozenset[str], _Experience] = defaultdict(_Experience)
         self.tried = 0
+
+    def expect(self, branch: Branches) -> bool:
+        """A lift by fingers whose lifts have failed so far waits longer than others."""
+        if (move := branch.move) is not None and move.kind == "lift":
+            branch.delay += PATIENCE * self._experience[_fingers(move)].failing
+        return True
+
+    def alone(self, branch: Branches) -> bool:
+        """Look for postures of a lift by itself: most that have none fail on the table already."""
+        if branch.parent is None or (move := branch.move) is None or move.kind != "lift":
+            return True
+        keys = tuple(self._new_keys(branch.parent.state, move))
+        found = self._lifting(keys)
+        self._experience[_fingers(move)].add(found is not None)
+        if found is None:
+            branch.delay += PATIENCE
+        else:
+            branch.delay -= EAGERNESS
+            branch.notes = replace(notes_of(branch), alone=found)
+        return True
+
+    def _lifting(self, keys: tuple[KeyPose, ...]) -> Array | None:
+        if not len(self._guidance.q):
+            found = next((each for each in self._random(keys) if isinstance(each, Postures)), None)
+            return None if found is None else found.q
+        rounds = self._options.rounds[2]
+        for start in (*self._guidance.q, self._robot.home):
+            lying = self._chain(keys[:1]).settle(start[None], rounds)
+            if isinstance(lying, Refused):
+                continue
+            lifted = self._chain(keys).settle(np.repeat(lying.q, len(keys), axis=0), rounds)
+            if not isinstance(lifted, Refused):
+                return lifted.q
+        return None
 
     def quick(self, branch: Branches) -> bool:
         """Look for postures near known ones; without them the branch waits, but lives on."""
         if branch.parent is None or branch.move is None:
+            return True
+        if branch.move.kind == "lift" and notes_of(branch).alone is None:
             return True
         self.tried += 1
         if isinstance(self._fitted(branch, self._near), Refused):
@@ -108,6 +151,22 @@ class PrefixPostures:
         else:
             self._deaths.add("postures", f"{refused.kind} at a {branch.move.kind}")
         return False
+
+    def roomy(self, branch: Branches) -> bool:
+        """Fit a whole sequence once more, with room for fingers beside the contacts they change."""
+        prefix = notes_of(branch).prefix
+        if prefix is None or not self._goal.reached(branch.state.held):
+            return True
+        moments = list(with_room(branch.path()))
+        chain = self._chain(tuple(each.key for each in moments))
+        start = prefix.q[[each.like for each in moments]]
+        found = chain.settle(start, 2 * self._options.rounds[2])
+        if isinstance(found, Refused):
+            self._deaths.add("postures", f"{found.kind} beside a contact")
+            return False
+        q = found.q[[each.own for each in moments]]
+        branch.notes = replace(notes_of(branch), prefix=Prefix(prefix.keys[: len(q)], q, len(q)))
+        return True
 
     def _fitted(
         self, branch: Branches, attempts: Callable[[Task], Iterator[Postures | Refused]]
@@ -135,12 +194,19 @@ class PrefixPostures:
         before = notes_of(parent).prefix or Prefix((), np.zeros((0, self._robot.nv)), 0)
         new = tuple(self._new_keys(parent.state, move))
         come = tuple(self._keys_to_come(notes_of(branch).rest))
-        return Task((*before.keys[: before.done], *new, *come), before, before.done + len(new))
+        keys = (*before.keys[: before.done], *new, *come)
+        return Task(keys, before, before.done + len(new), notes_of(branch).alone)
 
     def _near(self, task: Task) -> Iterator[Postures | Refused]:
         """From where the branch before was and was to go, then from the goal's postures."""
         if task.before.done:
             yield self._chain(task.keys).settle(task.start(), self._options.rounds[2])
+        if task.alone is not None:
+            come = len(task.keys) - task.done
+            for later in (task.alone[-1], *self._guidance.q):
+                start = np.concatenate((task.alone, np.repeat(later[None], come, axis=0)))
+                yield self._chain(task.keys).settle(start, self._options.rounds[2])
+            return
         for start in (*self._guidance.q, self._robot.home):
             yield from self._window(task, self._reached(task, start))
 
@@ -152,11 +218,14 @@ class PrefixPostures:
 
     def _anywhere(self, task: Task) -> Iterator[Postures | Refused]:
         """From random starts."""
-        rng = np.random.default_rng((self._seed, self.tried))
-        keys = task.keys[task.known :]
-        search = PostureSearch(self._robot, self._world, keys, rng, self._options)
-        for found in search.candidates():
+        for found in self._random(task.keys[task.known :]):
             yield from self._window(task, found)
+
+    def _random(self, keys: tuple[KeyPose, ...]) -> Iterator[Postures | Refused]:
+        """Postures from random starts, then why the others failed most often."""
+        rng = np.random.default_rng((self._seed, self.tried))
+        search = PostureSearch(self._robot, self._world, keys, rng, self._options)
+        yield from search.candidates()
         if search.record.failures:
             kind, _, about = search.record.failures.most_common(1)[0][0].partition(": ")
             yield Refused(kind, about)
@@ -173,7 +242,7 @@ class PrefixPostures:
         return PostureChain(self._robot, self._world, keys, self._options.singular_value_min)
 
     def _new_keys(self, before: GraspState, move: Move) -> Iterator[KeyPose]:
-        """Moments that a move adds: those at which a gait's plan asks for postures, too."""
+        """Moments that a move adds."""
         after = move.after
         if move.kind == "transfer":
             yield self._stood_off(before)
@@ -192,7 +261,7 @@ class PrefixPostures:
         left = {
             finger: each.contact.standing_off(STAND_OFF_M) for finger, each in state.left.items()
         }
-        return KeyPose(key.name, key.rotation, key.position, {**key.contacts, **left})
+        return replace(key, contacts={**key.contacts, **left})
 
     def _keys_to_come(self, rest: Sequence[Move]) -> Iterator[KeyPose]:
         """The grasps that fingers are added to, up to the goal."""
@@ -210,6 +279,27 @@ class PrefixPostures:
         if not self._goal.reached(branch.state.held) or self._goal.palm_max_m == np.inf:
             return 0.0
         return self._palm(found.q[-1], keys[-1].rotation, keys[-1].position)
+
+
+@dataclass
+class _Experience:
+    """With lifts by the same fingers."""
+
+    tried: int = 0
+    passed: int = 0
+
+    @property
+    def failing(self) -> float:
+        """Share of failures to expect of the next one; 0 before the first."""
+        return (self.tried - self.passed) / (self.tried + 1)
+
+    def add(self, passed: bool) -> None:
+        """Count one more."""
+        self.tried, self.passed = self.tried + 1, self.passed + passed
+
+
+def _fingers(move: Move) -> frozenset[str]:
+    return frozenset(each.finger for each in move.contacts)
 
 
 def _names(key: KeyPose) -> frozenset[str]:

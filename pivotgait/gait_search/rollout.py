@@ -7,18 +7,21 @@ postures can be fitted to all of it.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from pivotgait.gait_search.best_first import BestFirst, Graph
 from pivotgait.gait_search.cost import Cost
 from pivotgait.gait_search.deaths import Deaths
 from pivotgait.gait_search.goals import Goal
 from pivotgait.gait_search.moves import Moves
-from pivotgait.gait_search.notes import Branches, Notes, notes_of
+from pivotgait.gait_search.notes import Branches, notes_of
 from pivotgait.gait_search.order import Order
 from pivotgait.gait_search.states import GraspState, Move, StateKey
 
 Rest = tuple[Move, ...]
 DETOUR = 4.0
-"""What a branch without a known rest waits longer: other contacts must come in between."""
+"""What a branch waits longer that has no known rest, or leaves the one that was known: contacts
+must come in between that the goal does not name."""
 KNOWN = 1.3
 """Factor of the cost of a known rest; the rest of the inflation is for what is only estimated."""
 LOOKED_AT = 200
@@ -51,6 +54,15 @@ class Rollout:
         )
         self._known: dict[StateKey, Rest | None] = {}
 
+    def prefer_known(self, branch: Branches) -> bool:
+        """A branch that leaves the known rest of the one before waits longer than what follows."""
+        if branch.parent is None or branch.move is None:
+            return True
+        known = notes_of(branch.parent).rest
+        if known and known[0].name != branch.move.name:
+            branch.delay += DETOUR
+        return True
+
     def check(self, branch: Branches) -> bool:
         """Find the rest of a branch: one that is known counts as it is, without inflation."""
         if branch.parent is None or branch.move is None:
@@ -59,7 +71,8 @@ class Rollout:
         follows = bool(known) and known[0].name == branch.move.name
         # what is left of a rest stays at the attitudes of its coarse scan: near enough
         rest = known[1:] if follows else self(branch.state)
-        branch.notes, least = Notes(rest or ()), self._graph.estimate(branch.state)
+        branch.notes = replace(notes_of(branch), rest=rest or ())
+        least = self._graph.estimate(branch.state)
         if rest is None:
             branch.delay += self._inflation * DETOUR
         else:

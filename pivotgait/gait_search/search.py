@@ -119,11 +119,17 @@ class _Search:
                 PostureOptions(starts=options.starts, time_limit_s=np.inf),
                 seed,
             )
-        checks = [self.moves.prefer_own_lifts, self.moves.settle_removal]
+        checks = [self.moves.prefer_own_lifts]
+        if self.postures:
+            checks.append(self.postures.expect)
+        if self.rollout:
+            checks.append(self.rollout.prefer_known)
+        checks.append(self.moves.settle_removal)
         if self.rollout:
             checks.append(self.rollout.check)
         if self.postures:
-            checks += [self.postures.quick, self.postures.thorough]
+            postures = self.postures
+            checks += [postures.alone, postures.quick, postures.thorough, postures.roomy]
         graph = Graph[GraspState, Move](
             key=lambda state: state.key,
             moves=self.moves.of,
@@ -196,6 +202,7 @@ class _Search:
                 f"--seed {self.seed}"
             ),
             home=_middle_posture(path),
+            postures=_postures(path),
             folder=self.folder,
         )
         options = self.options
@@ -224,6 +231,14 @@ def without_robot(scene: Scene) -> Scene:
     """The scene as its tool feels it."""
     config = scene.config.model_copy(update={"robot": None})
     return replace(scene, config=config, robot=None)
+
+
+def _postures(path: list[Branches]) -> list[Array]:
+    """The hand at the key poses of each move; none without a hand."""
+    known = [each for each in (notes_of(branch).prefix for branch in path) if each is not None]
+    if not known:
+        return []
+    return np.split(np.asarray(known[-1].q[: known[-1].done]), [each.done for each in known[:-1]])
 
 
 def _middle_posture(path: list[Branches]) -> Array | None:

@@ -41,7 +41,7 @@ class SearchOptions:
     inflation: float = 2.0
     visits: int = 3
     starts: int = 5
-    plan_starts: int = 24
+    plan_starts: int = 8
     plans: int = 20
     sequences: int = 1
     time_limit_s: float = 60.0

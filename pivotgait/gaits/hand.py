@@ -7,7 +7,7 @@ carried out from it: tracked within limits and without collision, relocations fo
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain
@@ -118,16 +118,15 @@ class HandPlanner:
         """Carry the gait out from the first posture from which it can be.
 
         Args:
-            like: phases of a similar plan with a hand, whose postures are tried first.
+            like: phases of a similar plan with a hand, whose postures are tried first; those that
+                the scene suggests come next.
 
         Raises:
             InfeasibleError: naming what bound most often.
         """
         began, keys = perf_counter(), self.itinerary.keys
         search = PostureSearch(self._robot, self.world, keys, self._rng, self.options.postures)
-        near = self._settle(self.itinerary, self.itinerary.postures_in(like)) if like else None
-        known = [near] if isinstance(near, Postures) else []
-        for postures in chain(known, search.candidates()):
+        for postures in chain(self._known(like), search.candidates()):
             carried = self._refined(postures, self.itinerary)
             if isinstance(carried, str):
                 search.record.failures[carried] += 1
@@ -135,6 +134,14 @@ class HandPlanner:
             spent = perf_counter() - began - sum(carried.plan_time_s)
             return replace(carried, search_time_s=spent, record=search.record)
         raise search.record.infeasible("the hand's gait")
+
+    def _known(self, like: Sequence[Phase]) -> Iterator[Postures]:
+        """Postures next to those of a similar plan, then to those that the scene suggests."""
+        suggested = self.itinerary.postures_suggested(self._steps, self._robot)
+        for start in (self.itinerary.postures_in(like) if like else None, suggested):
+            settled = None if start is None else self._settle(self.itinerary, start)
+            if isinstance(settled, Postures):
+                yield settled
 
     def plan_again(self, found: HandGait) -> HandGait:
         """Carry the gait out once more after its forces have changed, from where it was found.

@@ -15,6 +15,8 @@ from pivotgait.models import (
     HandleContact,
     LiftPhase,
     RelocationPhase,
+    RemovalPhase,
+    Robot,
     Scene,
     TransferPhase,
 )
@@ -104,6 +106,23 @@ class Itinerary:
             for stop in stops:
                 last = phase.kind == "relocation" and stop.sample == 1
                 found[stop.key] = phase.robot.q[-1 if last else stop.sample]
+        return np.array([found[k] for k in range(len(self.keys))])
+
+    def postures_suggested(self, steps: Sequence[Step], robot: Robot) -> Array | None:
+        """(K, nv) where the scene says that the hand may be; None unless all phases say so."""
+        found: dict[int, Array] = {}
+        for step, stops in zip(steps, self.stops, strict=True):
+            if len(stops) == 1:
+                continue
+            config = step.config
+            assert isinstance(config, LiftPhase | RemovalPhase | RelocationPhase)
+            if isinstance(config, LiftPhase):
+                found[stops[0].key] = robot.posture(config.posture_before or config.posture)
+            if not config.posture or stops[0].key not in found:
+                return None
+            begin, end = found[stops[0].key], robot.posture(config.posture)
+            for place, stop in enumerate(stops[1:], start=1):
+                found[stop.key] = begin + place / (len(stops) - 1) * (end - begin)
         return np.array([found[k] for k in range(len(self.keys))])
 
     def renewed(self, steps: Sequence[Step]) -> Itinerary:

@@ -87,6 +87,13 @@ class Robot(FrozenArrays):
         """Names of the joints in the order of q."""
         return tuple(self.model.names[1:])
 
+    def posture(self, positions: Mapping[str, float]) -> Array:
+        """(nv,) joint positions by name [rad] or [m]; joints left out are at home."""
+        q = np.array(self.home)
+        for joint, value in positions.items():
+            q[self.joint_names.index(joint)] = value
+        return q
+
     def beyond_range(self, q: Array) -> Array:
         """How far each coordinate of q (..., nv) is beyond its joint limits; negative within."""
         return np.maximum(self.lower - q, q - self.upper)

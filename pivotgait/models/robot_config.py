@@ -10,6 +10,8 @@ from pivotgait.models.config import Angle, Config, Positive, Vector3
 
 UrdfName = Annotated[str, Field(min_length=1, max_length=1000)]
 LinkName = Annotated[str, Field(min_length=1, max_length=100)]
+JointPositions = dict[LinkName, FiniteFloat]
+"""By the joint's name [rad] or [m]."""
 
 
 class BaseConfig(Config):
@@ -56,13 +58,13 @@ class RobotConfig(Config):
     urdf: UrdfName | None = None
     mount: MountConfig | None = None
     base: BaseConfig = BaseConfig()
-    fixed: dict[LinkName, FiniteFloat] = Field(default_factory=dict)
+    fixed: JointPositions = Field(default_factory=dict)
     """Joints locked at these positions [rad] or [m], such as those of an unused finger."""
     palm: LinkName
     fingers: Annotated[dict[LinkName, FingerConfig], Field(min_length=2)]
     couplings: tuple[tuple[LinkName, LinkName], ...] = ()
     """Pairs of joints of which the first never flexes more than the second."""
-    home: dict[LinkName, FiniteFloat] = Field(default_factory=dict)
+    home: JointPositions = Field(default_factory=dict)
     """Joint positions [rad] or [m] of a comfortable posture; the middle of the range if missing."""
     ramp_time_s: Positive = 0.2
     """Time from rest to the joints' full speed: bounds their accelerations."""

@@ -77,6 +77,30 @@ def check_lifts(scene: Scene, where: str) -> None:
                 )
 
 
+def check_postures(scene: Scene, where: str) -> None:
+    """Check that postures which phases suggest are the robot's and within its joint limits.
+
+    Raises:
+        UnknownNameError: for a joint that the robot does not have.
+        SceneError: naming the joint and its limits.
+    """
+    if (robot := scene.robot) is None:
+        return
+    limits = dict(zip(robot.joint_names, zip(robot.lower, robot.upper, strict=True), strict=True))
+    for name, phases in scene.gaits.items():
+        for place, phase in enumerate(phases):
+            for field in ("posture", "posture_before"):
+                for joint, value in getattr(phase, field, {}).items():
+                    at = f"{where}: gaits.{name}[{place}].{field}"
+                    if joint not in limits:
+                        raise UnknownNameError("moving joint", joint, limits, where=at)
+                    lower, upper = limits[joint]
+                    if not lower <= value <= upper:
+                        what = f"{value:g} is outside the limits [{lower:g}, {upper:g}]"
+                        mend = "give a value within them"
+                        raise SceneError(what, where=f"{at}.{joint}", mend=mend)
+
+
 def _check_bounds(bounds: ForceBounds, at: str) -> None:
     if bounds.min > bounds.max:
         what = f"min {bounds.min:g} N is greater than max {bounds.max:g} N"

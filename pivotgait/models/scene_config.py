@@ -16,7 +16,7 @@ from pivotgait.models.config import (
     Vector2,
     Vector3,
 )
-from pivotgait.models.robot_config import RobotConfig
+from pivotgait.models.robot_config import JointPositions, RobotConfig
 from pivotgait.models.validation_config import ValidationConfig
 
 SCHEMA = "pivotgait-scene/1"
@@ -103,7 +103,14 @@ class LiftTarget(Config):
     yaw_deg: Angle = 0.0
 
 
-class LiftPhase(Config):
+class _Motion(Config):
+    """A phase in which the hand moves."""
+
+    posture: JointPositions = Field(default_factory=dict)
+    """Of the hand at the phase's end: tried before any search; joints left out are at home."""
+
+
+class LiftPhase(_Motion):
     """Pivot the tool up from its rest, held by the given contacts."""
 
     kind: Literal["lift"]
@@ -112,6 +119,8 @@ class LiftPhase(Config):
     steps: Steps
     profile: Literal["quintic", "trapezoidal"] = "quintic"
     to: LiftTarget
+    posture_before: JointPositions = Field(default_factory=dict)
+    """Of the hand at the phase's beginning; as at its end if left out."""
 
 
 class AdditionPhase(Config):
@@ -131,7 +140,7 @@ class RemovalWeights(Config):
     alignment: NotNegative = 2e-2
 
 
-class RemovalPhase(Config):
+class RemovalPhase(_Motion):
     """Unload a finger while the tool pivots to an attitude that the others can hold."""
 
     kind: Literal["removal"]
@@ -143,7 +152,7 @@ class RemovalPhase(Config):
     """Solve with few steps first and double them."""
 
 
-class RelocationPhase(Config):
+class RelocationPhase(_Motion):
     """Move a free finger to a contact along a collision-free path; the others hold the tool."""
 
     kind: Literal["relocation"]

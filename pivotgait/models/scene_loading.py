@@ -20,7 +20,7 @@ from pivotgait.models.robot import Robot
 from pivotgait.models.robot_loading import build_robot
 from pivotgait.models.robot_urdf import robot_urdf
 from pivotgait.models.scene import HandleContact, Scene, Table
-from pivotgait.models.scene_checks import check_config, check_lifts
+from pivotgait.models.scene_checks import check_config, check_lifts, check_postures
 from pivotgait.models.scene_config import ContactConfig, SceneConfig, ToolConfig
 from pivotgait.models.scene_errors import as_scene_error
 from pivotgait.models.scene_yaml import MAX_BYTES, read_yaml
@@ -175,6 +175,7 @@ def _assemble(
         gaits=MappingProxyType(dict(config.gaits)),
     )
     check_lifts(scene, where)
+    check_postures(scene, where)
     return scene
 
 

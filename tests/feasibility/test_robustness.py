@@ -25,7 +25,7 @@ def test_edges_of_known_lines():
     def holds(line, value):
         return np.where(edge[line] >= 0.0, value <= edge[line], (value >= edge[line]))
 
-    holds_until = last_feasible(start, limit, holds, rounds=6)
+    holds_until = last_feasible(start, limit, holds, rounds=9)
     assert holds_until[[0, 2, 4]] == pytest.approx(edge[[0, 2, 4]], abs=1e-5)
     assert holds_until[1] == 1.0
     assert np.all(np.abs(holds_until[[0, 4]]) <= edge[[0, 4]])

@@ -13,7 +13,7 @@ from pivotgait.gait_search.cost import Cost
 from pivotgait.gait_search.moves import Moves
 from pivotgait.gait_search.notes import notes_of
 from pivotgait.gait_search.order import Order
-from pivotgait.gait_search.rollout import Rollout
+from pivotgait.gait_search.rollout import DETOUR, Rollout
 from pivotgait.gait_search.search import without_robot
 from pivotgait.gait_search.states import GraspState, Move
 from pivotgait.models import load_scene
@@ -101,3 +101,19 @@ def test_a_branch_without_a_known_rest_waits(rollout: Rollout, moves: Moves) -> 
     assert rollout.check(branch)
     assert notes_of(branch).rest == ()
     assert 0.0 < branch.delay < np.inf
+
+
+def test_what_leaves_a_known_rest_waits_and_what_follows_it_does_not(
+    rollout: Rollout, moves: Moves
+) -> None:
+    start = Branch(moves.start(), 0.0)
+    lift = next(each for each in moves.lifts if rollout(each.after))
+    parent = Branch(lift.after, 1.0, start, lift)
+    assert rollout.prefer_known(parent)
+    assert parent.delay == 0.0  # nothing is known of the start
+    assert rollout.check(parent)
+    following = notes_of(parent).rest[0]
+    for move, state, cost in moves.of(parent):
+        branch = Branch(state, 1.0 + cost, parent, move)
+        assert rollout.prefer_known(branch)
+        assert branch.delay == (0.0 if move.name == following.name else DETOUR)

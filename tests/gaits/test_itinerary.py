@@ -153,3 +153,47 @@ def test_an_addition_needs_a_relocation() -> None:
 def test_contacts_that_fingers_leave() -> None:
     left = dict(contacts_left(KNIFE, steps()))
     assert {name: contact.name for name, contact in left.items()} == {"04_relocation": "index_edge"}
+
+
+def suggesting(positions: Sequence[float | None]) -> tuple[Step, ...]:
+    """The steps, each moving one with a posture of the first joint, unless that is None."""
+    at = iter(positions)
+    found = []
+    for step in steps():
+        if isinstance(step.config, LiftPhase | RemovalPhase | RelocationPhase):
+            value = next(at)
+            posture = {} if value is None else {"J1": value}
+            step = replace(step, config=step.config.model_copy(update={"posture": posture}))
+        found.append(step)
+    return tuple(found)
+
+
+def test_suggested_postures_end_phases_and_are_between_them_in_the_middle(
+    itinerary: Itinerary,
+) -> None:
+    robot = KNIFE.robot
+    assert robot is not None
+    wished = (0.1, 0.2, 0.4, 0.8)
+    found = itinerary.postures_suggested(suggesting(wished), robot)
+    assert found is not None
+    assert found.shape == (len(itinerary.keys), robot.nv)
+    joint = found[:, robot.joint_names.index("J1")]
+    ends = [itinerary.stops[k][-1].key for k in (LIFT, BEFORE, REMOVAL, AGAIN)]
+    assert joint[ends] == pytest.approx(wished)
+    middle = itinerary.stops[REMOVAL][1].key
+    assert joint[middle] == pytest.approx(0.5 * (0.2 + 0.4))
+    assert joint[: ends[0]] == pytest.approx([0.1] * ends[0])
+    others = [k for k in range(robot.nv) if k != robot.joint_names.index("J1")]
+    np.testing.assert_array_equal(
+        found[:, others], np.broadcast_to(robot.home[others], (len(found), len(others)))
+    )
+
+
+@pytest.mark.parametrize("missing", range(4))
+def test_suggestions_count_only_if_every_moving_phase_has_one(
+    itinerary: Itinerary, missing: int
+) -> None:
+    robot = KNIFE.robot
+    assert robot is not None
+    wished = [None if k == missing else 0.1 for k in range(4)]
+    assert itinerary.postures_suggested(suggesting(wished), robot) is None
