@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
-from pivotgait.feasibility.turns import Turn, smallest_tilt
 from pivotgait.frozen import Array
 from pivotgait.gait_search.best_first import Branch
 from pivotgait.gait_search.candidates import (
@@ -27,16 +26,15 @@ from pivotgait.gait_search.cost import Cost, CostWeights
 from pivotgait.gait_search.deaths import Deaths
 from pivotgait.gait_search.hand_reach import HandReach
 from pivotgait.gait_search.order import FEWEST, Prices
+from pivotgait.gait_search.removal_turns import RemovalTurns
 from pivotgait.gait_search.states import GraspState, Move
 from pivotgait.gait_search.static_tests import can_carry, grasp_depths
 from pivotgait.gait_search.timing import HOVER_M, RETREAT_M, PhaseStyle
-from pivotgait.models import HandleContact, LiftTarget, Scene
+from pivotgait.models import LiftTarget, Scene
 
 Branches = Branch[GraspState, Move]
 LIFT_SAMPLES = 5
 """Attitudes of a lift at which its fingers must hold the tool."""
-NEARLY_N = 0.05
-"""A coarse scan that comes so near to a good attitude may have missed a narrow patch."""
 OTHER_PITCH = 4.0
 """What a lift to another pitch than the scene's own waits longer."""
 LIFTED_BY = 2
@@ -84,8 +82,7 @@ class Moves:
         robot = scene.robot
         self._radii = {f.name: f.tip_radius for f in robot.fingers.values()} if robot else {}
         self._reach = None if robot is None else HandReach(robot, scene.clearance)
-        self._turns: dict[tuple[tuple[str, ...], bytes], Turn] = {}
-        self._coarse = False
+        self._turn = RemovalTurns(scene)
 
     def narrowed(self, candidates: Candidates, deaths: Deaths) -> Moves:
         """These moves with other candidates, judged more coarsely where that is enough.
@@ -96,7 +93,7 @@ class Moves:
         """
         same = copy(self)
         same.deaths, same._by_finger = deaths, by_finger(self._by_finger, candidates)
-        same._turns, same._coarse = {}, True
+        same._turn = RemovalTurns(self.scene, self.scene.lift_rotation(self.targets()[0]))
         return same
 
     @cached_property
@@ -148,7 +145,7 @@ class Moves:
             return True
         (leaving,) = move.contacts
         staying = [each for name, each in before.state.held.items() if name != leaving.finger]
-        turn = self._turn(staying, before.state)
+        turn = self._turn(staying, before.state.rotation)
         if not turn.feasible:
             self.deaths.add("attitude after a removal", f"none without {leaving.finger}")
             return False
@@ -283,36 +280,6 @@ class Moves:
     ) -> Array:
         contacts = [[each.contact for each in grasp] for grasp in grasps]
         return grasp_depths(self.scene, contacts, rotation, exact=exact)
-
-    def _turn(self, staying: Sequence[Candidate], state: GraspState) -> Turn:
-        names = tuple(each.name for each in staying)
-        contacts = [each.contact for each in staying]
-        if self._coarse:
-            return self._coarse_turn(names, contacts, state.rotation)
-        key = names, state.rotation.as_quat().tobytes()
-        if key not in self._turns:
-            self._turns[key] = smallest_tilt(self.scene, contacts, state.rotation)
-        return self._turns[key]
-
-    def _coarse_turn(
-        self, names: tuple[str, ...], contacts: Sequence[HandleContact], rotation: Rotation
-    ) -> Turn:
-        """None if the fingers hold the tool as it is; else to the attitude nearest to the lift's.
-
-        That one is the same whatever the attitude before, so it is looked for only once.
-        """
-        depth = float(grasp_depths(self.scene, [contacts], rotation, exact=False)[0])
-        if depth >= 0.0:
-            return Turn(True, 0.0, rotation, depth)
-        key = names, b""
-        if key not in self._turns:
-            lifted = self.scene.lift_rotation(self.targets()[0])
-            turn = smallest_tilt(self.scene, contacts, lifted, coarse=True)
-            if not turn.feasible and turn.depth > -NEARLY_N:
-                turn = smallest_tilt(self.scene, contacts, lifted)
-            self._turns[key] = turn
-        found = self._turns[key]
-        return replace(found, angle=float((found.rotation * rotation.inv()).magnitude()))
 
     def targets(self) -> list[LiftTarget]:
         """Attitudes in which lifts may end."""

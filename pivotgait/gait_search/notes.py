@@ -10,6 +10,8 @@ from pivotgait.gait_search.states import GraspState, Move
 from pivotgait.planning.key_posture import KeyPose
 
 Branches = Branch[GraspState, Move]
+PATIENCE = 5.0
+"""Branches that costs say are so much worse are looked at before random starts are made."""
 
 
 @dataclass(frozen=True, eq=False)

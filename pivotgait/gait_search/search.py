@@ -13,13 +13,15 @@ import numpy as np
 
 from pivotgait.exceptions import InputError
 from pivotgait.frozen import Array
-from pivotgait.gait_search.best_first import BestFirst, Graph
+from pivotgait.gait_search.best_first import BestFirst, Check, Graph
 from pivotgait.gait_search.candidates import Candidate, handle_candidates
 from pivotgait.gait_search.deaths import Deaths
 from pivotgait.gait_search.found_scene import found_scene
 from pivotgait.gait_search.full_plan import FoundGait, plan_fully
 from pivotgait.gait_search.goals import Goal, estimate_moves
 from pivotgait.gait_search.guidance import Guidance
+from pivotgait.gait_search.hand_fit import HandFit
+from pivotgait.gait_search.lift_postures import LiftPostures
 from pivotgait.gait_search.moves import LIFTED_BY, MoveOptions, Moves
 from pivotgait.gait_search.notes import Branches, notes_of
 from pivotgait.gait_search.order import Order
@@ -99,43 +101,34 @@ class _Search:
             self.deaths,
             MoveOptions(first, options.pitches_deg, goal.reached if goal.lifted_off else None),
         )
+        early: list[Check[GraspState, Move]] = [self.moves.prefer_own_lifts]
+        forces: list[Check[GraspState, Move]] = [self.moves.settle_removal]
+        hand: list[Check[GraspState, Move]] = []
         self.order: Order | None = None
-        self.rollout: Rollout | None = None
         if goal.contacts:
             self.order = order_by_forces(self.moves, goal)
-            self.rollout = Rollout(self.moves, goal, self.order, options.inflation)
+            rollout = Rollout(self.moves, goal, self.order, options.inflation)
+            early.append(rollout.prefer_known)
+            forces.append(rollout.check)
         self.postures: PrefixPostures | None = None
         self.guidance: Guidance | None = None
         if (robot := self.scene.robot) is not None:
             attitude = self.scene.lift_rotation(self.moves.targets()[0])
             rng = np.random.default_rng(seed)
-            self.guidance = Guidance(self.scene, robot, goal, attitude, rng)
-            self.postures = PrefixPostures(
-                self.scene,
-                robot,
-                goal,
-                self.deaths,
-                self.guidance,
-                PostureOptions(starts=options.starts, time_limit_s=np.inf),
-                seed,
-            )
-        checks = [self.moves.prefer_own_lifts]
-        if self.postures:
-            checks.append(self.postures.expect)
-        if self.rollout:
-            checks.append(self.rollout.prefer_known)
-        checks.append(self.moves.settle_removal)
-        if self.rollout:
-            checks.append(self.rollout.check)
-        if self.postures:
-            postures = self.postures
-            checks += [postures.alone, postures.quick, postures.thorough, postures.roomy]
+            guidance = Guidance(self.scene, robot, goal, attitude, rng)
+            starts = PostureOptions(starts=options.starts, time_limit_s=np.inf)
+            fit = HandFit(self.scene, robot, starts, seed)
+            lifts = LiftPostures(self.scene, fit, guidance)
+            postures = PrefixPostures(self.scene, fit, goal, self.deaths, guidance)
+            early.append(lifts.expect)
+            hand = [lifts.alone, postures.quick, postures.thorough, postures.roomy]
+            self.guidance, self.postures = guidance, postures
         graph = Graph[GraspState, Move](
             key=lambda state: state.key,
             moves=self.moves.of,
             estimate=self.estimate,
             reached=lambda state: goal.reached(state.held) and state.hanging == goal.lifted_off,
-            checks=checks,
+            checks=[*early, *forces, *hand],
         )
         self.search = BestFirst(
             graph, self.moves.start(), inflation=options.inflation, visits=options.visits

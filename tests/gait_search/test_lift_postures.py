@@ -9,13 +9,10 @@ import pytest
 from pivotgait.gait_search import CostWeights, Deaths, handle_candidates, read_goal
 from pivotgait.gait_search.best_first import Branch
 from pivotgait.gait_search.guidance import Guidance
+from pivotgait.gait_search.hand_fit import HandFit
+from pivotgait.gait_search.lift_postures import EAGERNESS, LiftPostures
 from pivotgait.gait_search.moves import Moves
-from pivotgait.gait_search.notes import notes_of
-from pivotgait.gait_search.prefix_postures import (
-    EAGERNESS,
-    PATIENCE,
-    PrefixPostures,
-)
+from pivotgait.gait_search.notes import PATIENCE, notes_of
 from pivotgait.gait_search.states import GraspState, Move
 from pivotgait.models import Scene, load_scene
 from pivotgait.planning.posture_search import PostureOptions
@@ -36,17 +33,17 @@ def moves(scene: Scene) -> Moves:
     return Moves(scene, handle_candidates(scene), CostWeights(), Deaths())
 
 
-def postures_with(scene: Scene, moves: Moves, starts: int) -> PrefixPostures:
+def postures_with(scene: Scene, moves: Moves, starts: int) -> LiftPostures:
     assert scene.robot is not None
     goal = read_goal("power-grasp", scene)  # names no contacts: no guidance, quick to make
     attitude = scene.lift_rotation(moves.targets()[0])
     guidance = Guidance(scene, scene.robot, goal, attitude, np.random.default_rng(0))
     options = PostureOptions(starts=starts, time_limit_s=np.inf)
-    return PrefixPostures(scene, scene.robot, goal, Deaths(), guidance, options, 0)
+    return LiftPostures(scene, HandFit(scene, scene.robot, options, 0), guidance)
 
 
 @pytest.fixture
-def postures(scene: Scene, moves: Moves) -> PrefixPostures:
+def postures(scene: Scene, moves: Moves) -> LiftPostures:
     return postures_with(scene, moves, starts=1)
 
 
@@ -79,7 +76,7 @@ def test_a_lift_s_own_postures_are_on_its_contacts(scene: Scene, moves: Moves) -
 
 
 def test_lifts_by_fingers_that_failed_wait_and_others_do_not(
-    moves: Moves, postures: PrefixPostures
+    moves: Moves, postures: LiftPostures
 ) -> None:
     pinches, others = lifts(moves, PINCH), lifts(moves, frozenset({"thumb", "index"}))
     first, second, third = pinches[:3]
@@ -97,10 +94,10 @@ def test_lifts_by_fingers_that_failed_wait_and_others_do_not(
     assert others[0].delay == 0.0
 
 
-def test_what_is_no_lift_is_left_alone(moves: Moves, postures: PrefixPostures) -> None:
+def test_what_is_no_lift_is_left_alone(moves: Moves, postures: LiftPostures) -> None:
     lift = lifts(moves, frozenset({"thumb", "index"}))[0]
     move, state, _ = next(each for each in moves.of(lift) if each[0].kind == "addition")
     branch = Branch(state, 2.0, lift, move)
     assert postures.expect(branch)
     assert postures.alone(branch)
-    assert (branch.delay, notes_of(branch).alone, postures.tried) == (0.0, None, 0)
+    assert (branch.delay, notes_of(branch).alone) == (0.0, None)
