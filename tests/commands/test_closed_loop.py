@@ -149,3 +149,15 @@ def test_a_lift_in_pybullet(call: Call, scene: Path, tmp_path: Path) -> None:
     assert answer.data["validation"]["simulator"] == "pybullet"
     there = {path.name for path in tmp_path.iterdir()}
     assert there == (LEFT - {"trials.h5"}) | {"view.html", "run_view.html"}
+
+
+@pytest.mark.slow  # two simulated runs
+def test_a_guarded_run_out_of_danger_is_the_same(call: Call, scene: Path, tmp_path: Path) -> None:
+    plan = tmp_path / "plan.h5"
+    assert call("plan", scene, "-o", plan).code == 0
+    plain = call("validate", plan, "--json")
+    guarded = call("validate", plan, "--recover", "--json")
+    assert (plain.code, guarded.code) == (0, 0)
+    (one,), (other,) = plain.data["runs"], guarded.data["runs"]
+    assert other["metrics"] == one["metrics"]
+    assert guarded.data["stages"] == plain.data["stages"]
