@@ -67,11 +67,26 @@ def test_bad_input_is_one_line(call: Call, arguments: tuple[str, ...], words: st
     assert not answer.out
 
 
-def test_it_takes_less_than_two_seconds_of_processor_time() -> None:
-    code = "from pivotgait.cli import main; main(['feasibility', 'knife', '--json'])"
+LIBRARIES = (
+    "import casadi, clarabel, numpy, pinocchio, pydantic, rich.table, scipy.interpolate, "
+    "scipy.spatial.transform, typer"
+)
+TIMES_THE_LIBRARIES = 5.0
+"""Loading them takes half a second where a verdict takes 1.8 s, and both grow alike on a slower
+machine: 3.5 times where nothing else runs, and two fifths more for what else may."""
+
+
+def test_it_takes_a_few_times_as_long_as_loading_its_libraries() -> None:
+    command = "from pivotgait.cli import main; main(['feasibility', 'knife', '--json'])"
+    spent = [(processor_time(LIBRARIES), processor_time(command)) for _ in range(3)]
+    libraries, ours = (min(each) for each in zip(*spent, strict=True))
+    assert ours < TIMES_THE_LIBRARIES * libraries
+
+
+def processor_time(code: str) -> float:
+    """Of a fresh process in one thread [s]."""
     one_thread = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     before = os.times()
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, env=one_thread)
     after = os.times()
-    spent = sum(after[2:4]) - sum(before[2:4])
-    assert spent < 2.5  # two seconds where nothing else runs
+    return sum(after[2:4]) - sum(before[2:4])
