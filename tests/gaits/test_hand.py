@@ -169,3 +169,12 @@ def test_a_joint_that_is_too_slow_is_named() -> None:
     options = HandOptions(postures=PostureOptions(starts=12))
     with pytest.raises(InfeasibleError, match="most often: 00_lift: is too fast for J1"):
         plan_gait(slow, seed=2, options=options)
+
+
+@SLOW
+def test_postures_that_a_scene_suggests_save_the_search() -> None:
+    news: list[PhaseDone | PosturesFound] = []
+    plan = plan_gait(load_scene("wrench_lift_off"), progress=news.append)
+    (found,) = (each for each in news if isinstance(each, PosturesFound))
+    assert found.starts == 0
+    assert certify(plan).valid
