@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -87,18 +87,22 @@ def check_postures(scene: Scene, where: str) -> None:
     if (robot := scene.robot) is None:
         return
     limits = dict(zip(robot.joint_names, zip(robot.lower, robot.upper, strict=True), strict=True))
+    for at, joint, value in _suggested(scene, where):
+        if joint not in limits:
+            raise UnknownNameError("moving joint", joint, limits, where=at)
+        lower, upper = limits[joint]
+        if not lower <= value <= upper:
+            what = f"{value:g} is outside the limits [{lower:g}, {upper:g}]"
+            raise SceneError(what, where=f"{at}.{joint}", mend="give a value within them")
+
+
+def _suggested(scene: Scene, where: str) -> Iterator[tuple[str, str, float]]:
+    """Where in the file each joint's position of a phase's postures stands, its name and value."""
     for name, phases in scene.gaits.items():
         for place, phase in enumerate(phases):
             for field in ("posture", "posture_before"):
-                for joint, value in getattr(phase, field, {}).items():
-                    at = f"{where}: gaits.{name}[{place}].{field}"
-                    if joint not in limits:
-                        raise UnknownNameError("moving joint", joint, limits, where=at)
-                    lower, upper = limits[joint]
-                    if not lower <= value <= upper:
-                        what = f"{value:g} is outside the limits [{lower:g}, {upper:g}]"
-                        mend = "give a value within them"
-                        raise SceneError(what, where=f"{at}.{joint}", mend=mend)
+                at = f"{where}: gaits.{name}[{place}].{field}"
+                yield from ((at, *each) for each in getattr(phase, field, {}).items())
 
 
 def _check_bounds(bounds: ForceBounds, at: str) -> None:
